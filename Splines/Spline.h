@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef hyperpatch_Spline_h
+#define hyperpatch_Spline_h
+
+#include "KnotVector.h"
+
+#include <Eigen/Core>
+
+#include <array>
+
+namespace hyperpatch
+{
+
+/// A tensor-product spline of one, two or three parametric dimensions with any number of
+/// components, polynomial or rational: a curve, surface or volume, or a field on one.
+///
+/// There are always three knot vectors; a direction that is not there has degree 0 and one control
+/// point. Control points are *projected* (not multiplied by their weights), u fastest: control
+/// point (i, j, k) is column i + nu (j + nv k). A value type, validated at construction.
+class Spline
+{
+public:
+  /// \param knots one knot vector per direction
+  /// \param coefficients m x (nu nv nw), columns are control points, u fastest
+  /// \param weights nu nv nw positive numbers, or empty for a polynomial spline
+  /// \throws Error on sizes that do not fit, numbers that are not finite, weights that are not
+  /// positive.
+  Spline(std::array<KnotVector, 3> knots, Eigen::MatrixXd coefficients,
+    Eigen::VectorXd weights = Eigen::VectorXd());
+
+  /// From homogeneous control points (w x, w, last row the weight), the inverse of Homogeneous().
+  [[nodiscard]] static Spline FromHomogeneous(
+    std::array<KnotVector, 3> knots, const Eigen::MatrixXd& homogeneous);
+
+  /// Number of parametric directions that are there: 1 curve, 2 surface, 3 volume.
+  [[nodiscard]] int Dimension() const;
+  [[nodiscard]] int Components() const { return static_cast<int>(this->C.rows()); }
+  [[nodiscard]] bool IsRational() const { return this->W.size() > 0; }
+
+  [[nodiscard]] const std::array<KnotVector, 3>& Knots() const { return this->K; }
+  [[nodiscard]] const KnotVector& Knots(int direction) const
+  {
+    return this->K[static_cast<std::size_t>(direction)];
+  }
+  [[nodiscard]] std::array<int, 3> Degrees() const;
+  [[nodiscard]] std::array<int, 3> Sizes() const;
+  /// Product of Sizes().
+  [[nodiscard]] Eigen::Index NumberOfControlPoints() const { return this->C.cols(); }
+
+  /// m x (nu nv nw), projected.
+  [[nodiscard]] const Eigen::MatrixXd& Coefficients() const { return this->C; }
+  /// nu nv nw weights, empty when polynomial.
+  [[nodiscard]] const Eigen::VectorXd& Weights() const { return this->W; }
+  /// (m + 1) x (nu nv nw): columns (w x, w) when rational; the coefficients themselves otherwise.
+  [[nodiscard]] Eigen::MatrixXd Homogeneous() const;
+
+  /// The value at one point (m numbers); parameters outside the domain are moved to its border.
+  /// For many points use Evaluator.
+  [[nodiscard]] Eigen::VectorXd Evaluate(double u, double v = 0.0, double w = 0.0) const;
+
+  friend bool operator==(const Spline& a, const Spline& b)
+  {
+    return a.K == b.K && a.C.rows() == b.C.rows() && a.C == b.C && a.W.size() == b.W.size() &&
+      a.W == b.W;
+  }
+  friend bool operator!=(const Spline& a, const Spline& b) { return !(a == b); }
+
+private:
+  std::array<KnotVector, 3> K;
+  Eigen::MatrixXd C;
+  Eigen::VectorXd W;
+};
+
+/// True where both have the same knots and weights: one basis serves both.
+[[nodiscard]] bool SharesBasis(const Spline& a, const Spline& b);
+
+}
+
+#endif
