@@ -49,8 +49,13 @@ struct Patch
   Aggregate Body;
   /// Index of the first knot span (non-empty, counted from 0) of this part in the whole patch.
   std::array<int, 3> FirstSpan{ 0, 0, 0 };
+  /// Numbers of knot spans of the whole patch; all 0 when this is the whole patch.
+  std::array<int, 3> WholeSpans{ 0, 0, 0 };
   /// Which sides are faces of the whole patch rather than cuts.
   std::array<bool, 6> IsDomainFace{ true, true, true, true, true, true };
+  /// Handedness() of the whole patch, where a part of it might differ; 0 when this is the whole
+  /// patch.
+  int WholeHandedness = 0;
 };
 
 /// Two patch sides that coincide, in G+Smo's ten integers: `Values` = patch 1, side 1, patch 2,

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The VTK modules and, on top of them, the ParaView plugin.
+
+# 9.2.20230111 is the VTK of ParaView 5.11, the first with CheckAbort; 9.3 has everything too.
+set(hyperpatch_vtk_version 9.2.20230111)
+set(hyperpatch_vtk_components
+  CommonColor
+  CommonCore
+  CommonDataModel
+  CommonExecutionModel
+  CommonTransforms
+  FiltersCore
+  FiltersGeneral
+  IOXML
+  IOXMLParser
+  ParallelCore)
+
+if (HYPERPATCH_BUILD_PLUGIN)
+  find_package(ParaView 5.11 REQUIRED COMPONENTS
+    ProcessXML RemotingCore RemotingServerManager RemotingViews VTKExtensionsFiltersRendering
+    VTKExtensionsIOCore WrapClientServer)
+else ()
+  find_package(VTK ${hyperpatch_vtk_version} QUIET COMPONENTS ${hyperpatch_vtk_components})
+  if (NOT VTK_FOUND)
+    find_package(ParaView 5.11 REQUIRED COMPONENTS VTKExtensionsCore)
+  endif ()
+endif ()
+if (ParaView_FOUND)
+  # ParaView finds only what its own components need of the VTK inside it.
+  find_package(VTK ${hyperpatch_vtk_version} REQUIRED COMPONENTS ${hyperpatch_vtk_components}
+    PATHS "${ParaView_DIR}/vtk" NO_DEFAULT_PATH)
+endif ()
+
+if (HYPERPATCH_BUILD_PLUGIN)
+  paraview_plugin_scan(
+    PLUGIN_FILES "${PROJECT_SOURCE_DIR}/Plugin/paraview.plugin"
+    PROVIDES_PLUGINS hyperpatch_plugins
+    REQUIRES_MODULES hyperpatch_required_modules
+    ENABLE_BY_DEFAULT ON)
+endif ()
+
+vtk_module_scan(
+  MODULE_FILES
+    "${PROJECT_SOURCE_DIR}/DataModel/vtk.module"
+    "${PROJECT_SOURCE_DIR}/Readers/vtk.module"
+    "${PROJECT_SOURCE_DIR}/Filters/vtk.module"
+  PROVIDES_MODULES hyperpatch_modules
+  WANT_BY_DEFAULT ON
+  ENABLE_TESTS OFF)
+vtk_module_build(
+  MODULES ${hyperpatch_modules}
+  PACKAGE Hyperpatch
+  HEADERS_DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hyperpatch"
+  CMAKE_DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/Hyperpatch"
+  TEST_DIRECTORY_NAME NONE)
+
+if (HYPERPATCH_BUILD_PLUGIN)
+  paraview_plugin_build(
+    PLUGINS ${hyperpatch_plugins}
+    PLUGINS_FILE_NAME hyperpatch.plugins.xml
+    RUNTIME_DESTINATION "${CMAKE_INSTALL_BINDIR}"
+    LIBRARY_DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+    LIBRARY_SUBDIRECTORY "${PARAVIEW_PLUGIN_SUBDIR}")
+endif ()
