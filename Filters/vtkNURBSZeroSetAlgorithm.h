@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkNURBSZeroSetAlgorithm
+ * @brief Base class of slice, isosurface and Jacobian boundary: f = 0 drawn on the exact splines.
+ *
+ * A subclass says which fields f it wants on which patches; this class refines until the tolerances
+ * are met on all patches and ranks (the same cells on both sides of every cut between pieces), and
+ * fills the output.
+ *
+ * Output: vtkPolyData: triangles in volumes, line segments in surfaces, vertices on curves, with
+ * the arrays of vtkNURBSMeshAlgorithm. Normals point to growing f and do not flip where a volume is
+ * folded; triangles turn counter-clockwise around them. Field data, one number each:
+ * - `CrossedCells`: parameter cells that hold a piece of the surface
+ * - `UndecidedCells`: parameter cells where a zero can neither be excluded nor was seen
+ * - `LargestResidual`: of |f| at the points, relative to the largest |f| near the surface
+ * - `LargestError`: measured distance between mesh and exact zero set, at midpoints
+ * - `ToleranceReached`: 0 where the limit of refinement came first (a warning says so too)
+ */
+#ifndef vtkNURBSZeroSetAlgorithm_h
+#define vtkNURBSZeroSetAlgorithm_h
+
+#include "vtkNURBSFiltersModule.h" // for the export macro
+#include "vtkNURBSMeshAlgorithm.h"
+
+#include <memory> // for fields
+
+class vtkPolyData;
+
+namespace hyperpatch
+{
+class ScalarField;
+}
+
+class VTKNURBSFILTERS_EXPORT vtkNURBSZeroSetAlgorithm : public vtkNURBSMeshAlgorithm
+{
+public:
+  vtkAbstractTypeMacro(vtkNURBSZeroSetAlgorithm, vtkNURBSMeshAlgorithm);
+
+protected:
+  vtkNURBSZeroSetAlgorithm() = default;
+  ~vtkNURBSZeroSetAlgorithm() override = default;
+
+  /**
+   * One field on one patch (or on the block of it between C0 knot planes).
+   */
+  struct Task
+  {
+    std::shared_ptr<const hyperpatch::Patch> Patch;
+    std::shared_ptr<const hyperpatch::ScalarField> Field;
+    int Value = 0; ///< which of several planes or isovalues: tasks of the same value share a grid
+  };
+
+  /**
+   * Draws the zero sets of all tasks into the output. All ranks must call it.
+   */
+  void Draw(
+    const hyperpatch::MultiPatch& model, const std::vector<Task>& tasks, vtkPolyData* output);
+
+private:
+  vtkNURBSZeroSetAlgorithm(const vtkNURBSZeroSetAlgorithm&) = delete;
+  void operator=(const vtkNURBSZeroSetAlgorithm&) = delete;
+};
+
+#endif
