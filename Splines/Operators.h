@@ -65,28 +65,6 @@ namespace hyperpatch
 /// points shared by neighbours. Discontinuous breaks (multiplicity degree + 1) stay.
 [[nodiscard]] Spline ToBezier(const Spline& spline);
 
-/// Extraction of Bezier control points, element by element, without refining the whole spline
-/// (Borden et al. 2011, here by blossoms).
-class BezierExtractor
-{
-public:
-  /// Keeps a reference to the spline, which must outlive it.
-  explicit BezierExtractor(const Spline& spline);
-
-  /// Homogeneous Bezier control points of the spline on a parameter box that lies inside one
-  /// element. \param spans indices into Knots(d).Spans()
-  /// \param points (m or m + 1) x prod(degrees + 1), u fastest; resized if needed, so that repeated
-  /// calls allocate nothing
-  void Extract(std::array<int, 3> spans, std::array<double, 3> low, std::array<double, 3> high,
-    Eigen::MatrixXd& points) const;
-
-  /// The whole element.
-  void Extract(std::array<int, 3> spans, Eigen::MatrixXd& points) const;
-
-private:
-  const Spline* S;
-};
-
 /// The parts of a patch's geometry and attributes on a block of the geometry's knot spans, for work
 /// in pieces; attributes are cut at the spans that cover the block. FirstSpan and IsDomainFace of
 /// the result continue those of the input.
