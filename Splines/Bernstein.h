@@ -70,10 +70,10 @@ public:
   {
     return Sum(a, b, -1.0);
   }
-  [[nodiscard]] friend Bernstein operator*(double factor, const Bernstein& a);
+  friend Bernstein operator*(double factor, const Bernstein& a);
   /// The product, of the sum of the degrees: a convolution of binomially scaled coefficients.
   /// \throws Error if a degree would exceed DegreeLimit
-  [[nodiscard]] friend Bernstein operator*(const Bernstein& a, const Bernstein& b);
+  friend Bernstein operator*(const Bernstein& a, const Bernstein& b);
 
 private:
   static Bernstein Sum(const Bernstein& a, const Bernstein& b, double sign);
