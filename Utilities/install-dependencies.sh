@@ -7,9 +7,9 @@ set -euo pipefail
 build=(g++ cmake ninja-build git clang-format-14)
 libraries=(libeigen3-dev libpugixml-dev libgtest-dev libbenchmark-dev)
 paraview=(paraview paraview-dev python3-paraview python3-mpi4py python3-numpy openmpi-bin)
-# find_package(ParaView) looks for these; paraview-dev does not depend on them.
+# find_package(ParaView) with our components; paraview-dev does not depend on them.
 paraview_development=(
-  qtbase5-dev libqt5opengl5-dev libqt5svg5-dev qttools5-dev qtxmlpatterns5-dev-tools libhdf5-dev
+  qtbase5-dev libqt5svg5-dev qttools5-dev qtxmlpatterns5-dev-tools libhdf5-dev
   libutfcpp-dev libxml2-dev libboost-dev libtheora-dev libogg-dev libgl2ps-dev libpng-dev
   libnetcdf-dev libx11-dev libxt-dev libglew-dev libopengl-dev libgl-dev python3-dev libexpat1-dev
   liblzma-dev liblz4-dev libdouble-conversion-dev libjpeg-dev libtiff-dev libfreetype-dev zlib1g-dev
