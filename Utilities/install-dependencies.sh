@@ -7,7 +7,7 @@ set -euo pipefail
 build=(g++ cmake ninja-build git clang-format-14)
 libraries=(libeigen3-dev libpugixml-dev libgtest-dev libbenchmark-dev)
 paraview=(paraview paraview-dev python3-paraview python3-mpi4py python3-numpy openmpi-bin)
-# find_package(ParaView) with our components; paraview-dev does not depend on them.
+# What find_package(ParaView) asks for and paraview-dev does not depend on.
 paraview_development=(
   qtbase5-dev libqt5svg5-dev qttools5-dev qtxmlpatterns5-dev-tools libhdf5-dev
   libutfcpp-dev libxml2-dev libboost-dev libtheora-dev libogg-dev libgl2ps-dev libpng-dev
