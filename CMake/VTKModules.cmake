@@ -39,11 +39,15 @@ if (HYPERPATCH_BUILD_PLUGIN)
     ENABLE_BY_DEFAULT ON)
 endif ()
 
+set(hyperpatch_module_files
+  "${PROJECT_SOURCE_DIR}/DataModel/vtk.module"
+  "${PROJECT_SOURCE_DIR}/Readers/vtk.module"
+  "${PROJECT_SOURCE_DIR}/Filters/vtk.module")
+if (HYPERPATCH_BUILD_PLUGIN)
+  list(APPEND hyperpatch_module_files "${PROJECT_SOURCE_DIR}/Plugin/Representation/vtk.module")
+endif ()
 vtk_module_scan(
-  MODULE_FILES
-    "${PROJECT_SOURCE_DIR}/DataModel/vtk.module"
-    "${PROJECT_SOURCE_DIR}/Readers/vtk.module"
-    "${PROJECT_SOURCE_DIR}/Filters/vtk.module"
+  MODULE_FILES ${hyperpatch_module_files}
   PROVIDES_MODULES hyperpatch_modules
   WANT_BY_DEFAULT ON
   ENABLE_TESTS OFF)

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkNURBSGeometryFilter
+ * @brief What NURBS Solid draws: the exact boundary of a control lattice, anything else as it is.
+ *
+ * A control lattice (see hyperpatch::IsSplineData()) is replaced by its boundary as
+ * vtkNURBSTessellate draws it; then, and for all other data, vtkPVGeometryFilter does its work.
+ *
+ * Of a collection all patches become one vtkPolyData in its first partitioned dataset, since a view
+ * pays for every block; the other datasets stay, empty, so that block selectors keep their meaning
+ * and all ranks have the same list. Input that vtkNURBSTessellate refuses gives its error message
+ * and nothing to draw.
+ *
+ * Whether there are splines is asked of all ranks: one that has no patch takes part all the same.
+ *
+ * @sa vtkNURBSTessellate, vtkNURBSSolidRepresentation
+ */
+#ifndef vtkNURBSGeometryFilter_h
+#define vtkNURBSGeometryFilter_h
+
+#include "vtkNURBSRepresentationModule.h" // for the export macro
+#include "vtkNew.h"                       // for the tessellation
+#include "vtkPVGeometryFilter.h"
+
+class vtkNURBSTessellate;
+
+class VTKNURBSREPRESENTATION_EXPORT vtkNURBSGeometryFilter : public vtkPVGeometryFilter
+{
+public:
+  static vtkNURBSGeometryFilter* New();
+  vtkTypeMacro(vtkNURBSGeometryFilter, vtkPVGeometryFilter);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// Holds the tolerances.
+  vtkNURBSTessellate* GetTessellation() { return this->Tessellation; }
+
+  /// Also that of the tessellation.
+  vtkMTimeType GetMTime() override;
+
+protected:
+  vtkNURBSGeometryFilter();
+  ~vtkNURBSGeometryFilter() override;
+
+  int RequestData(vtkInformation* request, vtkInformationVector** inputVector,
+    vtkInformationVector* outputVector) override;
+
+private:
+  vtkNURBSGeometryFilter(const vtkNURBSGeometryFilter&) = delete;
+  void operator=(const vtkNURBSGeometryFilter&) = delete;
+
+  bool AnyRankHasSplines(vtkDataObject* input);
+
+  vtkNew<vtkNURBSTessellate> Tessellation;
+};
+
+#endif
