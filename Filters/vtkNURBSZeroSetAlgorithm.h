@@ -24,7 +24,8 @@
 
 #include <memory> // for fields
 
-class vtkPolyData;
+class NURBSMeshOutput;
+class vtkFieldData;
 
 namespace hyperpatch
 {
@@ -35,6 +36,7 @@ class VTKNURBSFILTERS_EXPORT vtkNURBSZeroSetAlgorithm : public vtkNURBSMeshAlgor
 {
 public:
   vtkAbstractTypeMacro(vtkNURBSZeroSetAlgorithm, vtkNURBSMeshAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
 
 protected:
   vtkNURBSZeroSetAlgorithm() = default;
@@ -47,14 +49,16 @@ protected:
   {
     std::shared_ptr<const hyperpatch::Patch> Patch;
     std::shared_ptr<const hyperpatch::ScalarField> Field;
-    int Value = 0; ///< which of several planes or isovalues: tasks of the same value share a grid
+    int Handedness = 1;
+    int Value = 0; ///< label of the cells; parts of a patch with the same value share a grid
   };
 
   /**
-   * Draws the zero sets of all tasks into the output. All ranks must call it.
+   * Draws the zero sets of all tasks into the output, whose one label is Task::Value, and adds the
+   * numbers above to the field data. All ranks must call it.
    */
-  void Draw(
-    const hyperpatch::MultiPatch& model, const std::vector<Task>& tasks, vtkPolyData* output);
+  void Draw(const std::vector<Task>& tasks, const AbsoluteTolerances& tolerances,
+    NURBSMeshOutput& output, vtkFieldData* fieldData);
 
 private:
   vtkNURBSZeroSetAlgorithm(const vtkNURBSZeroSetAlgorithm&) = delete;

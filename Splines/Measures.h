@@ -11,6 +11,9 @@ namespace hyperpatch
 /// centre times the volume of the span. 0 if the spline is no volume in space, or the sum is 0.
 [[nodiscard]] int Handedness(const Spline& geometry);
 
+/// The same of the whole patch that this is a part of.
+[[nodiscard]] int Handedness(const Patch& patch);
+
 /// Bounds of the control points of all geometries, which contain the model (convex hull property):
 /// low and high of x, y, z. Coordinates that a geometry does not have are 0; low > high if there
 /// are no patches.

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef NURBSMeshOutput_h
+#define NURBSMeshOutput_h
+
+#include "Aggregate.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+class vtkPointSet;
+
+/// Collects the meshes of patches and writes them into one vtkPolyData or vtkUnstructuredGrid with
+/// the arrays that vtkNURBSMeshAlgorithm promises. Private to this module.
+class NURBSMeshOutput
+{
+public:
+  using Cells = Eigen::Matrix<std::int64_t, Eigen::Dynamic, Eigen::Dynamic>;
+
+  /// \param components of every attribute of the output
+  /// \param labels names of integer cell arrays beside PatchId and ElementId
+  NURBSMeshOutput(std::map<std::string, int> components, std::vector<std::string> labels);
+
+  /// Adds points. \param attributes in the order of the patch's
+  void AddPoints(const hyperpatch::Patch& patch, const Eigen::Matrix3Xd& parameters,
+    const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals,
+    const std::vector<Eigen::MatrixXd>& attributes);
+
+  /// Adds cells of one kind, over the points added last: 1 row vertices, 2 segments, 3 triangles, 8
+  /// hexahedra. \param elements 3 x cells, knot spans counted in the whole patch
+  /// \param labels one vector per label, of one value or one per cell
+  void AddCells(const hyperpatch::Patch& patch, const Cells& cells,
+    const Eigen::Matrix3Xi& elements, const std::vector<std::vector<int>>& labels);
+
+  /// \param output an empty vtkPolyData (no hexahedra) or vtkUnstructuredGrid
+  void Fill(vtkPointSet* output) const;
+
+private:
+  struct PointBlock
+  {
+    Eigen::Matrix3Xd Parameters, Points, Normals;
+    std::map<std::string, Eigen::MatrixXd> Attributes;
+  };
+  struct CellBlock
+  {
+    Cells Indices; ///< into all points
+    std::vector<std::int64_t> ElementIds;
+    int PatchId;
+    std::vector<std::vector<int>> Labels;
+  };
+
+  std::map<std::string, int> Components;
+  std::vector<std::string> Labels;
+  std::vector<PointBlock> Points;
+  std::vector<CellBlock> Blocks;
+  std::int64_t LastOffset = 0;
+  std::int64_t NumberOfPoints = 0;
+};
+
+#endif

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkNURBSMeshAlgorithm.h"
+
+#include "Aggregate.h"
+#include "Evaluator.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <set>
+
+VTK_ABI_NAMESPACE_BEGIN
+
+namespace
+{
+
+/// Least and largest value over a grid of samples that depends on the patch alone, not on how it is
+/// cut into pieces: `perSpan` per knot span, ends included.
+std::array<double, 2> SampledRange(const hyperpatch::Spline& field, bool fine)
+{
+  std::array<std::vector<double>, 3> samples;
+  std::size_t count = 1;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const hyperpatch::KnotVector& knots = field.Knots()[d];
+    const std::vector<double> breaks = knots.Breaks();
+    const int perSpan = fine ? knots.Degree() + 1 : 1;
+    for (std::size_t b = 0; b + 1 < breaks.size(); ++b)
+    {
+      for (int i = 0; i < perSpan; ++i)
+      {
+        samples[d].push_back(breaks[b] + (breaks[b + 1] - breaks[b]) * i / perSpan);
+      }
+    }
+    if (knots.Degree() > 0)
+    {
+      samples[d].push_back(breaks.back());
+    }
+    count *= samples[d].size();
+  }
+  std::vector<double> values(count * static_cast<std::size_t>(field.Components()));
+  hyperpatch::Evaluator(field).EvaluateGrid(samples, values.data());
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return { *low, *high };
+}
+
+}
+
+void vtkNURBSMeshAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Tolerance: " << this->Tolerance << "\n";
+  os << indent << "AttributeTolerance: " << this->AttributeTolerance << "\n";
+}
+
+std::vector<double> vtkNURBSMeshAlgorithm::AbsoluteTolerances::Of(
+  const hyperpatch::Patch& patch) const
+{
+  std::vector<double> tolerances;
+  for (const hyperpatch::Attribute& attribute : patch.Body.Attributes())
+  {
+    tolerances.push_back(this->Attributes.at(attribute.Name));
+  }
+  return tolerances;
+}
+
+vtkNURBSMeshAlgorithm::AbsoluteTolerances vtkNURBSMeshAlgorithm::FindTolerances(
+  const hyperpatch::MultiPatch& model)
+{
+  AbsoluteTolerances result;
+  result.Position = this->Tolerance * this->Diagonal(model);
+
+  // All ranks agree on the attributes first: names as records of character codes, with components.
+  std::vector<double> records;
+  std::set<std::string> own;
+  for (const hyperpatch::Patch& patch : model.Patches)
+  {
+    for (const hyperpatch::Attribute& attribute : patch.Body.Attributes())
+    {
+      if (own.insert(attribute.Name).second)
+      {
+        records.push_back(attribute.Field.Components());
+        records.push_back(static_cast<double>(attribute.Name.size()));
+        for (const char c : attribute.Name)
+        {
+          records.push_back(static_cast<unsigned char>(c));
+        }
+      }
+    }
+  }
+  records = this->AllGather(records);
+  for (std::size_t i = 0; i < records.size();)
+  {
+    const int components = static_cast<int>(records[i]);
+    const auto length = static_cast<std::size_t>(records[i + 1]);
+    std::string name;
+    for (std::size_t c = 0; c < length; ++c)
+    {
+      name += static_cast<char>(static_cast<unsigned char>(records[i + 2 + c]));
+    }
+    result.Components.emplace(name, components);
+    i += 2 + length;
+  }
+
+  std::vector<double> low(result.Components.size(), INFINITY);
+  std::vector<double> high(result.Components.size(), -INFINITY);
+  for (const hyperpatch::Patch& patch : model.Patches)
+  {
+    for (const hyperpatch::Attribute& attribute : patch.Body.Attributes())
+    {
+      std::ptrdiff_t spans = 1;
+      for (std::size_t d = 0; d < 3; ++d)
+      {
+        const auto here = patch.Body.Geometry().Knots()[d].Spans().size();
+        spans *= std::max<std::ptrdiff_t>(patch.WholeSpans[d], static_cast<std::ptrdiff_t>(here));
+      }
+      const auto range = SampledRange(attribute.Field, spans <= 10000);
+      const auto i = static_cast<std::size_t>(
+        std::distance(result.Components.begin(), result.Components.find(attribute.Name)));
+      low[i] = std::min(low[i], range[0]);
+      high[i] = std::max(high[i], range[1]);
+    }
+  }
+  low = this->GlobalMinimum(low);
+  high = this->GlobalMaximum(high);
+  std::size_t i = 0;
+  for (const auto& entry : result.Components)
+  {
+    const double range = high[i] - low[i];
+    // A constant, up to round-off, asks for nothing.
+    const double noise = 1e-12 * std::max(std::abs(low[i]), std::abs(high[i]));
+    result.Attributes[entry.first] = range > noise ? this->AttributeTolerance * range : 0.0;
+    ++i;
+  }
+  return result;
+}
+
+VTK_ABI_NAMESPACE_END

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkNURBSTessellate.h"
+
+#include "Aggregate.h"
+#include "Measures.h"
+#include "NURBSMeshOutput.h"
+#include "Tessellation.h"
+
+#include "vtkObjectFactory.h"
+#include "vtkPointSet.h"
+#include "vtkType.h"
+
+#include <algorithm>
+#include <utility>
+
+VTK_ABI_NAMESPACE_BEGIN
+vtkStandardNewMacro(vtkNURBSTessellate);
+
+void vtkNURBSTessellate::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "MeshType: " << (this->MeshType == SURFACE ? "Surface" : "Solid") << "\n";
+  os << indent << "KnotLines: " << (this->KnotLines ? "on" : "off") << "\n";
+}
+
+int vtkNURBSTessellate::OutputType() const
+{
+  return this->MeshType == SURFACE ? VTK_POLY_DATA : VTK_UNSTRUCTURED_GRID;
+}
+
+void vtkNURBSTessellate::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output)
+{
+  const AbsoluteTolerances tolerances = this->FindTolerances(model);
+  const bool solid = this->MeshType == SOLID;
+  const std::size_t count = model.Patches.size();
+  std::vector<hyperpatch::SurfaceMesh> surfaces(count);
+  std::vector<hyperpatch::SolidMesh> solids(count);
+  const auto tessellate = [&](std::size_t i, hyperpatch::ParallelFor loop)
+  {
+    const hyperpatch::Patch& patch = model.Patches[i];
+    hyperpatch::TessellationOptions options;
+    // A model without extent has no error either.
+    options.Tolerance = tolerances.Position > 0.0 ? tolerances.Position : this->GetTolerance();
+    options.AttributeTolerances = tolerances.Of(patch);
+    options.KnotLines = this->KnotLines;
+    options.For = std::move(loop);
+    const int handedness = hyperpatch::Handedness(patch) < 0 ? -1 : 1;
+    if (solid && patch.Body.Geometry().Dimension() == 3)
+    {
+      solids[i] = hyperpatch::TessellateSolid(patch, handedness, options);
+    }
+    if (!solid || this->KnotLines || patch.Body.Geometry().Dimension() < 3)
+    {
+      surfaces[i] = hyperpatch::TessellateBoundary(patch, handedness, options);
+    }
+  };
+  // Few patches: the loops inside use the threads. Many: they are dealt out whole.
+  if (count < 8)
+  {
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      this->SetProgressRange(static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
+      tessellate(i, this->KernelParallelFor());
+    }
+  }
+  else
+  {
+    this->ParallelFor(static_cast<vtkIdType>(count), 1,
+      [&tessellate](vtkIdType begin, vtkIdType end)
+      {
+        for (vtkIdType i = begin; i < end; ++i)
+        {
+          tessellate(static_cast<std::size_t>(i), hyperpatch::SerialFor);
+        }
+      });
+  }
+
+  NURBSMeshOutput mesh(tolerances.Components, { "Side" });
+  bool limited = false;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const hyperpatch::Patch& patch = model.Patches[i];
+    const bool volume = patch.Body.Geometry().Dimension() == 3;
+    const hyperpatch::SolidMesh& s = solids[i];
+    if (solid && volume)
+    {
+      // Hexahedra have no normals; the array is there for the lines and surfaces beside them.
+      mesh.AddPoints(
+        patch, s.Parameters, s.Points, Eigen::Matrix3Xd::Zero(3, s.Points.cols()), s.Attributes);
+      mesh.AddCells(patch, s.Hexahedra, s.Elements, { { -1 } });
+    }
+    const hyperpatch::SurfaceMesh& b = surfaces[i];
+    mesh.AddPoints(patch, b.Parameters, b.Points, b.Normals, b.Attributes);
+    mesh.AddCells(
+      patch, b.Lines, b.LineElements, { volume ? b.LineSides : std::vector<int>{ -1 } });
+    if (!solid || !volume)
+    {
+      mesh.AddCells(patch, b.Triangles, b.TriangleElements,
+        { volume ? b.TriangleSides : std::vector<int>{ -1 } });
+    }
+    limited = limited || s.LimitReached || b.LimitReached;
+    solids[i] = {};
+    surfaces[i] = {};
+  }
+  if (limited)
+  {
+    vtkWarningMacro(
+      "the limit of subdivision was reached before the tolerance: the mesh is coarser "
+      "than Tolerance and Attribute Tolerance ask for");
+  }
+  mesh.Fill(vtkPointSet::SafeDownCast(output));
+}
+
+VTK_ABI_NAMESPACE_END
