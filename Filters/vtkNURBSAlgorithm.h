@@ -40,7 +40,7 @@ class vtkMultiProcessController;
 class VTKNURBSFILTERS_EXPORT vtkNURBSAlgorithm : public vtkDataObjectAlgorithm
 {
 public:
-  vtkAbstractTypeMacro(vtkNURBSAlgorithm, vtkDataObjectAlgorithm);
+  vtkAbstractTypeMacro(vtkNURBSAlgorithm, vtkDataObjectAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{

@@ -36,7 +36,7 @@ class VTKNURBSREADERS_EXPORT vtkBSplineReader : public vtkPartitionedDataSetColl
 {
 public:
   static vtkBSplineReader* New();
-  vtkTypeMacro(vtkBSplineReader, vtkPartitionedDataSetCollectionAlgorithm);
+  vtkTypeMacro(vtkBSplineReader, vtkPartitionedDataSetCollectionAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
