@@ -4,6 +4,7 @@
 #include "Bernstein.h"
 #include "BezierExtractor.h"
 #include "Error.h"
+#include "Measures.h"
 
 #include <algorithm>
 #include <iterator>
@@ -289,10 +290,23 @@ Spline InsertKnots(const Spline& spline, int direction, const std::vector<double
   KnotVector refined(p, std::move(merged), Smoothness::Discontinuous);
   std::vector<Row> rows;
   rows.reserve(Index(refined.Size()));
+  const int added = refined.Size() - old.Size();
   for (int j = 0; j < refined.Size(); ++j)
   {
-    rows.push_back(
-      BlossomRow(old, SpanForControlPoint(old, refined, j), refined.Knots().data() + j + 1));
+    // Control points whose support is outside the domain have no influence and stay as they are.
+    if (refined[j + p + 1] <= old.First())
+    {
+      rows.push_back({ j });
+    }
+    else if (refined[j] >= old.Last())
+    {
+      rows.push_back({ j - added });
+    }
+    else
+    {
+      rows.push_back(
+        BlossomRow(old, SpanForControlPoint(old, refined, j), refined.Knots().data() + j + 1));
+    }
   }
   return MapDirection(spline, direction, std::move(refined), rows);
 }
@@ -623,10 +637,12 @@ Patch RestrictPatch(const Patch& patch, std::array<int, 3> begin, std::array<int
   }
   Patch part = patch;
   part.Body = Aggregate(std::move(geometry), std::move(attributes));
+  part.WholeHandedness = Handedness(patch);
   for (std::size_t d = 0; d < 3; ++d)
   {
     const int count = static_cast<int>(patch.Body.Geometry().Knots()[d].Spans().size());
     part.FirstSpan[d] += begin[d];
+    part.WholeSpans[d] = patch.WholeSpans[d] > 0 ? patch.WholeSpans[d] : count;
     part.IsDomainFace[2 * d] = patch.IsDomainFace[2 * d] && begin[d] == 0;
     part.IsDomainFace[2 * d + 1] = patch.IsDomainFace[2 * d + 1] && end[d] == count;
   }
