@@ -1,31 +1,220 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Evaluator.h"
 
+#include "Error.h"
+#include "EvaluatorKernel.h"
+
 #include <algorithm>
-#include <utility>
+#include <cstdlib>
+#include <string>
 
 namespace hyperpatch
 {
 
-struct Evaluator::Layout
-{
-  std::array<KnotVector, 3> Knots;
-  std::array<int, 3> Sizes;
-  Eigen::MatrixXd Homogeneous;
-  int Components;
-  bool Rational;
-};
-
 namespace
 {
-// Quotient rule for a rational value with derivatives, from homogeneous sums; rows of `h` are
-// value, u, v, w, uu, uv, uw, vv, vw, ww, each of m + 1 numbers.
-constexpr int SecondOf[6][2] = { { 1, 1 }, { 1, 2 }, { 1, 3 }, { 2, 2 }, { 2, 3 }, { 3, 3 } };
+
+// The arrays behind one EvaluatorDirection.
+struct DirectionTables
+{
+  std::vector<int> Bucket;
+  std::vector<double> Breaks;
+  std::vector<double> InverseLengths;
+  std::vector<std::size_t> Offsets;
+  std::vector<double> Table;
+};
+
+// Power coefficients of the basis functions on a span about a knot at its end.
+void AppendPowers(const KnotVector& knots, int span, double knot, int pitch, DirectionTables& to)
+{
+  const int p = knots.Degree();
+  const double length = knots[span + 1] - knots[span];
+  double derivatives[(MaxTableDegree + 1) * (MaxTableDegree + 1)];
+  knots.BasisDerivatives(span, knot, p, derivatives);
+  double scale = 1.0;
+  // Degree 0 has a zero slope, so that a NaN parameter gives NaN there too.
+  for (int power = 0; power <= std::max(p, 1); ++power)
+  {
+    for (int i = 0; i < pitch; ++i)
+    {
+      to.Table.push_back(i <= p && power <= p ? derivatives[power * (p + 1) + i] * scale : 0.0);
+    }
+    scale *= length / (power + 1);
+  }
+}
+
+// Knots and reciprocals for the recurrence; see EvaluatorDirection::Table.
+void AppendReciprocals(const KnotVector& knots, int span, DirectionTables& to)
+{
+  const int p = knots.Degree();
+  for (int i = span - p + 1; i <= span + p; ++i)
+  {
+    to.Table.push_back(knots[i]);
+  }
+  for (int r = 1; r <= p; ++r)
+  {
+    for (int j = 0; j < r; ++j)
+    {
+      to.Table.push_back(1.0 / (knots[span + j + 1] - knots[span + j + 1 - r]));
+    }
+  }
+}
+
+EvaluatorDirection MakeDirection(
+  const KnotVector& knots, std::size_t stride, DirectionTables& tables)
+{
+  const int p = knots.Degree();
+  EvaluatorDirection d{};
+  d.Degree = p;
+  d.Spans = static_cast<int>(knots.Spans().size());
+  d.Pitch = p < 4 ? 4 : p == 4 ? 8 : p + 1;
+  d.First = knots.First();
+  d.Last = knots.Last();
+  d.Stride = stride;
+  tables.Breaks = knots.Breaks();
+  for (int span : knots.Spans())
+  {
+    tables.InverseLengths.push_back(1.0 / (knots[span + 1] - knots[span]));
+    tables.Offsets.push_back(static_cast<std::size_t>(span - p) * stride);
+    if (p <= MaxTableDegree)
+    {
+      AppendPowers(knots, span, knots[span], d.Pitch, tables);
+      AppendPowers(knots, span, knots[span + 1], d.Pitch, tables);
+    }
+    else
+    {
+      AppendReciprocals(knots, span, tables);
+    }
+  }
+  d.TableSize = tables.Table.size() / static_cast<std::size_t>(d.Spans);
+
+  // Several buckets per span: mostly the bucket alone decides.
+  d.Buckets = 4 * d.Spans;
+  d.BucketsPerUnit = d.Buckets / (d.Last - d.First);
+  tables.Bucket.reserve(static_cast<std::size_t>(d.Buckets));
+  for (int bucket = 0, span = 0; bucket < d.Buckets; ++bucket)
+  {
+    while (span + 1 < d.Spans &&
+      EvaluatorBucket(d, tables.Breaks[static_cast<std::size_t>(span) + 1]) < bucket)
+    {
+      ++span;
+    }
+    tables.Bucket.push_back(span);
+  }
+  d.Bucket = tables.Bucket.data();
+  d.Breaks = tables.Breaks.data();
+  d.InverseLengths = tables.InverseLengths.data();
+  d.Offsets = tables.Offsets.data();
+  d.Table = tables.Table.data();
+  return d;
+}
+
+// The fastest kernels, or those that the environment names.
+const EvaluatorKernels* ChooseKernels()
+{
+  const EvaluatorKernels* available[3];
+  const int count = AvailableEvaluatorKernels(available);
+  const char* wanted = std::getenv("HYPERPATCH_INSTRUCTION_SET");
+  if (!wanted || !*wanted)
+  {
+    return available[0];
+  }
+  std::string names;
+  for (int i = 0; i < count; ++i)
+  {
+    if (std::string(wanted) == available[i]->Name)
+    {
+      return available[i];
+    }
+    names += std::string(i > 0 ? ", " : "") + available[i]->Name;
+  }
+  throw Error("HYPERPATCH_INSTRUCTION_SET is \"" + std::string(wanted) +
+    "\"; this processor and build have: " + names);
+}
+
+}
+
+int AvailableEvaluatorKernels(const EvaluatorKernels* kernels[3])
+{
+  int count = 0;
+#ifdef HYPERPATCH_X86
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+    __builtin_cpu_supports("avx512vl"))
+  {
+    kernels[count++] = &EvaluatorAVX512;
+  }
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+  {
+    kernels[count++] = &EvaluatorAVX2;
+  }
+#endif
+  kernels[count++] = &EvaluatorBaseline;
+  return count;
+}
+
+struct Evaluator::Layout
+{
+  explicit Layout(const Spline& spline);
+  Layout(const Layout&) = delete;
+  Layout& operator=(const Layout&) = delete;
+
+  void Evaluate(std::size_t count, const double* parameters, int order, double* values,
+    double* first, double* second) const;
+
+  std::array<DirectionTables, 3> Tables;
+  std::vector<double> Points;
+  EvaluatorData Data{};
+  const EvaluatorKernels* Kernels;
+};
+
+Evaluator::Layout::Layout(const Spline& spline)
+  : Kernels(ChooseKernels())
+{
+  const int m = spline.Components();
+  const int numbers = m + (spline.IsRational() ? 1 : 0);
+  this->Data.Components = m;
+  this->Data.Rational = spline.IsRational();
+  this->Data.Width = numbers < 3 ? numbers : (numbers + 3) / 4 * 4;
+  const auto width = static_cast<std::size_t>(this->Data.Width);
+  std::size_t stride = width;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const KnotVector& knots = spline.Knots()[d];
+    this->Data.Directions[d] = MakeDirection(knots, stride, this->Tables[d]);
+    stride *= static_cast<std::size_t>(knots.Size());
+  }
+  this->Points.resize(stride + MaxLanes);
+  for (Eigen::Index i = 0; i < spline.NumberOfControlPoints(); ++i)
+  {
+    double* point = this->Points.data() + static_cast<std::size_t>(i) * width;
+    const double weight = spline.IsRational() ? spline.Weights()[i] : 1.0;
+    for (int e = 0; e < m; ++e)
+    {
+      point[e] = weight * spline.Coefficients()(e, i);
+    }
+    if (spline.IsRational())
+    {
+      point[width - 1] = weight;
+    }
+  }
+  this->Data.Points = this->Points.data();
+}
+
+void Evaluator::Layout::Evaluate(std::size_t count, const double* parameters, int order,
+  double* values, double* first, double* second) const
+{
+  constexpr std::size_t onStack = 1024;
+  const auto row =
+    static_cast<std::size_t>((this->Data.Directions[0].Degree + 1) * this->Data.Width);
+  const std::size_t size = (order == 0 ? 1 : order == 1 ? 3 : 6) * EvaluatorPadded(row);
+  double small[onStack];
+  std::vector<double> large(size > onStack ? size : 0);
+  this->Kernels->Evaluate(this->Data, count, parameters, order, values, first, second,
+    large.empty() ? small : large.data());
 }
 
 Evaluator::Evaluator(const Spline& spline)
-  : L(std::make_unique<const Layout>(Layout{ spline.Knots(), spline.Sizes(), spline.Homogeneous(),
-      spline.Components(), spline.IsRational() }))
+  : L(std::make_unique<const Layout>(spline))
 {
 }
 
@@ -35,118 +224,57 @@ Evaluator& Evaluator::operator=(Evaluator&&) noexcept = default;
 
 int Evaluator::Components() const
 {
-  return this->L->Components;
+  return this->L->Data.Components;
 }
 
 void Evaluator::Evaluate(std::size_t count, const double* parameters, double* values) const
 {
-  this->EvaluateWithSecondDerivatives(count, parameters, values, nullptr, nullptr);
+  this->L->Evaluate(count, parameters, 0, values, nullptr, nullptr);
 }
 
 void Evaluator::EvaluateWithDerivatives(
   std::size_t count, const double* parameters, double* values, double* derivatives) const
 {
-  this->EvaluateWithSecondDerivatives(count, parameters, values, derivatives, nullptr);
+  this->L->Evaluate(count, parameters, 1, values, derivatives, nullptr);
 }
 
 void Evaluator::EvaluateWithSecondDerivatives(std::size_t count, const double* parameters,
   double* values, double* derivatives, double* second) const
 {
-  const Layout& l = *this->L;
-  const int order = second ? 2 : derivatives ? 1 : 0;
-  const int rows = order == 2 ? 10 : order == 1 ? 4 : 1;
-  const int m = l.Components;
-  const auto n = static_cast<int>(l.Homogeneous.rows());
-  static constexpr int Orders[10][3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 },
-    { 2, 0, 0 }, { 1, 1, 0 }, { 1, 0, 1 }, { 0, 2, 0 }, { 0, 1, 1 }, { 0, 0, 2 } };
-  std::vector<double> sums(static_cast<std::size_t>(rows * n));
-  double basis[3][3 * (MaxDegree + 1)];
-  for (std::size_t q = 0; q < count; ++q)
-  {
-    int first[3];
-    int p[3];
-    for (int d = 0; d < 3; ++d)
-    {
-      const KnotVector& k = l.Knots[static_cast<std::size_t>(d)];
-      const double t =
-        std::clamp(parameters[3 * q + static_cast<std::size_t>(d)], k.First(), k.Last());
-      const int span = k.FindSpan(t);
-      p[d] = k.Degree();
-      first[d] = span - p[d];
-      k.BasisDerivatives(span, t, order, basis[d]);
-    }
-    std::fill(sums.begin(), sums.end(), 0.0);
-    for (int c = 0; c <= p[2]; ++c)
-    {
-      for (int b = 0; b <= p[1]; ++b)
-      {
-        for (int a = 0; a <= p[0]; ++a)
-        {
-          const double* point = l.Homogeneous.data() +
-            n *
-              (first[0] + a +
-                static_cast<Eigen::Index>(l.Sizes[0]) *
-                  (first[1] + b + static_cast<Eigen::Index>(l.Sizes[1]) * (first[2] + c)));
-          for (int r = 0; r < rows; ++r)
-          {
-            const double weight = basis[0][Orders[r][0] * (p[0] + 1) + a] *
-              basis[1][Orders[r][1] * (p[1] + 1) + b] * basis[2][Orders[r][2] * (p[2] + 1) + c];
-            for (int e = 0; e < n; ++e)
-            {
-              sums[static_cast<std::size_t>(r * n + e)] += weight * point[e];
-            }
-          }
-        }
-      }
-    }
-    const double* h = sums.data();
-    const auto M = static_cast<std::size_t>(m);
-    for (int e = 0; e < m; ++e)
-    {
-      const auto E = static_cast<std::size_t>(e);
-      const double inverse = l.Rational ? 1.0 / h[m] : 1.0;
-      const double value = h[e] * inverse;
-      values[q * M + E] = value;
-      double first1[4] = { value, 0, 0, 0 };
-      for (int r = 1; r < 4 && order > 0; ++r)
-      {
-        const double dw = l.Rational ? h[r * n + m] : 0.0;
-        first1[r] = (h[r * n + e] - value * dw) * inverse;
-        derivatives[q * 3 * M + static_cast<std::size_t>(r - 1) * M + E] = first1[r];
-      }
-      for (int r = 4; r < rows; ++r)
-      {
-        const int i = SecondOf[r - 4][0];
-        const int j = SecondOf[r - 4][1];
-        double numerator = h[r * n + e];
-        if (l.Rational)
-        {
-          numerator -= value * h[r * n + m] + first1[i] * h[j * n + m] + first1[j] * h[i * n + m];
-        }
-        second[q * 6 * M + static_cast<std::size_t>(r - 4) * M + E] = numerator * inverse;
-      }
-    }
-  }
+  this->L->Evaluate(count, parameters, 2, values, derivatives, second);
 }
 
 void Evaluator::EvaluateGrid(
   const std::array<std::vector<double>, 3>& parameters, double* values, double* derivatives) const
 {
-  const auto m = static_cast<std::size_t>(this->L->Components);
-  std::size_t q = 0;
-  for (double w : parameters[2])
+  const EvaluatorData& data = this->L->Data;
+  const std::size_t orders = derivatives ? 2 : 1;
+  const std::size_t rows = derivatives ? 3 : 1;
+  std::size_t counts[3];
+  const double* lists[3];
+  std::size_t sizes[3];
+  for (std::size_t d = 0; d < 3; ++d)
   {
-    for (double v : parameters[1])
-    {
-      for (double u : parameters[0])
-      {
-        const double point[3] = { u, v, w };
-        this->EvaluateWithSecondDerivatives(
-          1, point, values + q * m, derivatives ? derivatives + q * 3 * m : nullptr, nullptr);
-        ++q;
-      }
-    }
+    counts[d] = parameters[d].size();
+    lists[d] = parameters[d].data();
+    sizes[d] = counts[d] * orders * static_cast<std::size_t>(data.Directions[d].Pitch);
   }
+  if (counts[0] * counts[1] * counts[2] == 0)
+  {
+    return;
+  }
+  // Control points in a u-row, and u-rows in a plane of the lattice.
+  const std::size_t row = EvaluatorPadded(data.Directions[1].Stride);
+  const std::size_t lines = data.Directions[2].Stride / data.Directions[1].Stride;
+  std::vector<double> scratch(sizes[0] + sizes[1] + sizes[2] + orders * lines * row + rows * row);
+  std::vector<std::size_t> indices(counts[0] + counts[1] + counts[2]);
+  double* const bases[3] = { scratch.data(), scratch.data() + sizes[0],
+    scratch.data() + sizes[0] + sizes[1] };
+  std::size_t* const offsets[3] = { indices.data(), indices.data() + counts[0],
+    indices.data() + counts[0] + counts[1] };
+  double* planes = bases[2] + sizes[2];
+  this->L->Kernels->EvaluateGrid(data, counts, lists, values, derivatives, bases, offsets, planes,
+    planes + orders * lines * row);
 }
 
 }

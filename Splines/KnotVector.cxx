@@ -169,9 +169,11 @@ void KnotVector::BlossomWeights(int span, const double* arguments, double* weigh
     {
       const double left = k[j + 1 - r];
       const double right = k[j + 1];
-      const double scaled = weights[j] / (right - left);
-      weights[j] = saved + (right - u) * scaled;
-      saved = (u - left) * scaled;
+      // Quotients first: they are exactly 0 and 1 at the knots, so that clamped ends are control
+      // points and inserting a knot that is there copies, to the last bit.
+      const double weight = weights[j];
+      weights[j] = saved + (right - u) / (right - left) * weight;
+      saved = (u - left) / (right - left) * weight;
     }
     weights[r] = saved;
   }
@@ -192,9 +194,8 @@ void KnotVector::BasisDerivatives(int span, double u, int order, double* values)
       const double right = k[r + 1] - u;
       const double left = u - k[r + 1 - j];
       ndu[j][r] = k[r + 1] - k[r + 1 - j];
-      const double scaled = ndu[r][j - 1] / ndu[j][r];
-      ndu[r][j] = saved + right * scaled;
-      saved = left * scaled;
+      ndu[r][j] = saved + right / ndu[j][r] * ndu[r][j - 1];
+      saved = left / ndu[j][r] * ndu[r][j - 1];
     }
     ndu[j][j] = saved;
   }
