@@ -18,6 +18,44 @@ std::array<Eigen::Index, 3> Strides(const std::array<int, 3>& degrees)
   return { 1, degrees[0] + 1, static_cast<Eigen::Index>(degrees[0] + 1) * (degrees[1] + 1) };
 }
 
+/// Raises the degree of every direction that is there by one. Behind the rows of `points` come
+/// three more, for the products of the last row (the weight) with the three parameters.
+void Elevate(const Eigen::MatrixXd& points, std::array<int, 3>& degrees, Eigen::MatrixXd& raised,
+  Eigen::MatrixXd& scratch)
+{
+  const Eigen::Index weight = points.rows() - 1;
+  raised.setZero(points.rows() + 3, points.cols());
+  raised.topRows(points.rows()) = points;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    if (degrees[d] == 0)
+    {
+      continue;
+    }
+    const Eigen::Index stride = Strides(degrees)[d];
+    const int n = degrees[d] + 1;
+    const Eigen::Index above = raised.cols() / (stride * n);
+    scratch.resize(raised.rows(), raised.cols() / n * (n + 1));
+    for (Eigen::Index a = 0; a < above; ++a)
+    {
+      for (Eigen::Index b = 0; b < stride; ++b)
+      {
+        for (int i = 0; i <= n; ++i)
+        {
+          const double t = static_cast<double>(i) / n;
+          const Eigen::Index from = b + stride * (n * a);
+          const auto before = raised.col(from + stride * std::max(i - 1, 0));
+          auto to = scratch.col(b + stride * ((n + 1) * a + i));
+          to = t * before + (1.0 - t) * raised.col(from + stride * std::min(i, n - 1));
+          to[weight + 1 + static_cast<Eigen::Index>(d)] = t * before[weight];
+        }
+      }
+    }
+    ++degrees[d];
+    raised.swap(scratch);
+  }
+}
+
 /// De Casteljau at 1/2 in one direction; `low` is overwritten by the lower half.
 void Halve(Eigen::MatrixXd& low, Eigen::MatrixXd& high, const std::array<int, 3>& degrees, int d)
 {
@@ -71,6 +109,16 @@ const std::vector<ChordBound::Bound>& ChordBound::operator()(
   }
   this->Levels.resize(std::max(this->Levels.size(), this->Splits.size() + 1));
   this->Levels[0] = points;
+  for (Eigen::Index c = 0; c < components; ++c)
+  {
+    const auto row = points.row(c).array();
+    const double radius = rational ? 0.5 *
+        ((row / points.row(components).array()).maxCoeff() -
+          (row / points.row(components).array()).minCoeff())
+                                   : 0.5 * (row.maxCoeff() - row.minCoeff());
+    double& bounded = this->Result[norm == Norm::Vector ? 0 : static_cast<std::size_t>(c)].Radius;
+    bounded = std::hypot(bounded, radius);
+  }
   this->Recurse(0);
   // From the parameters of the parts to those of the piece.
   std::array<double, 3> scale{ 1.0, 1.0, 1.0 };
@@ -118,45 +166,53 @@ void ChordBound::Accumulate(const Eigen::MatrixXd& points)
                        : std::pow(column[static_cast<Eigen::Index>(group)], 2);
   };
 
-  // X - c W, with c the centre of the box around the control points.
-  this->Centred = points;
+  std::array<int, 3> degrees = this->Degrees;
   Eigen::VectorXd& difference = this->Difference;
-  difference.resize(rows);
   double least = 1.0;
+  Eigen::MatrixXd& x = this->Centred;
   if (this->Rational)
   {
     least = points.row(m).minCoeff();
+    Elevate(points, degrees, x, this->Scratch);
+    const auto weights = x.row(m).array();
+    // X - (g . xi) W with g the difference of the outer control points; then the centre.
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      const Eigen::Index last = this->Degrees[d] * Strides(this->Degrees)[d];
+      const Eigen::Index corners = points.cols() - 1 - last;
+      for (Eigen::Index c = 0; c < m; ++c)
+      {
+        const double slope = 0.5 *
+          (points(c, last) / points(m, last) - points(c, 0) / points(m, 0) +
+            points(c, points.cols() - 1) / points(m, points.cols() - 1) -
+            points(c, corners) / points(m, corners));
+        x.row(c) -= slope * x.row(m + 1 + static_cast<Eigen::Index>(d));
+      }
+    }
     for (Eigen::Index c = 0; c < m; ++c)
     {
-      const auto projected = points.row(c).array() / points.row(m).array();
+      const auto projected = x.row(c).array() / weights;
       const double centre = 0.5 * (projected.minCoeff() + projected.maxCoeff());
-      this->Centred.row(c) -= centre * points.row(m);
+      x.row(c) -= centre * x.row(m);
     }
   }
   else
   {
-    difference = 0.5 * (points.rowwise().minCoeff() + points.rowwise().maxCoeff());
-    this->Centred.colwise() -= difference;
+    x = points;
   }
-  // Per group: radius, then |X_d|; per piece |W_d|.
+  // Per group: r of the rational bounds, then those of |P_d|; per piece |W_d|.
   std::vector<double>& first = this->First;
   first.assign(4 * groups, 0.0);
   double weight[3] = {};
-  for (Eigen::Index i = 0; i < points.cols(); ++i)
+  for (Eigen::Index i = 0; this->Rational && i < x.cols(); ++i)
   {
-    const double scale = this->Rational ? 1.0 / points(m, i) : 1.0;
     for (std::size_t g = 0; g < groups; ++g)
     {
-      first[4 * g] = std::max(first[4 * g], squared(this->Centred.col(i), g) * scale * scale);
+      first[4 * g] = std::max(first[4 * g], std::sqrt(squared(x.col(i), g)) / x(m, i));
     }
   }
-  for (std::size_t g = 0; g < groups; ++g)
-  {
-    first[4 * g] = std::sqrt(first[4 * g]);
-    this->Result[g].Radius = std::max(this->Result[g].Radius, first[4 * g]);
-  }
 
-  const auto strides = Strides(this->Degrees);
+  const auto strides = Strides(degrees);
   // Calls body(difference) for every coefficient of a derivative; `order` has one number per
   // direction and the sum 1 or 2.
   const auto differences = [&](const std::array<int, 3>& order, const auto& body)
@@ -166,7 +222,7 @@ void ChordBound::Accumulate(const Eigen::MatrixXd& points)
     {
       for (int k = 0; k < order[d]; ++k)
       {
-        factor *= this->Degrees[d] - k;
+        factor *= degrees[d] - k;
       }
     }
     if (factor <= 0.0)
@@ -182,12 +238,11 @@ void ChordBound::Accumulate(const Eigen::MatrixXd& points)
         step[steps++] = strides[d];
       }
     }
-    const auto& x = this->Centred;
-    for (int k = 0; k <= this->Degrees[2] - order[2]; ++k)
+    for (int k = 0; k <= degrees[2] - order[2]; ++k)
     {
-      for (int j = 0; j <= this->Degrees[1] - order[1]; ++j)
+      for (int j = 0; j <= degrees[1] - order[1]; ++j)
       {
-        for (int i = 0; i <= this->Degrees[0] - order[0]; ++i)
+        for (int i = 0; i <= degrees[0] - order[0]; ++i)
         {
           const Eigen::Index at = i + strides[1] * j + strides[2] * k;
           difference = x.col(at + step[0]) - x.col(at);

@@ -16,11 +16,11 @@ namespace hyperpatch
 /// algorithms using bounds on derivatives, 1986); of d-linear interpolation on a box it is at most
 /// the sum of h_d^2 M_dd / 8.
 ///
-/// The bounds hold because Bernstein coefficients bound the polynomial. A rational piece X / W is
-/// moved to the centre c of its control points, X~ = X - c W, r = max |X~| / W; then
-/// |P_d| <= (|X~_d| + |W_d| r) / W_min and |P_de| <= (|X~_de| + |W_d| |P_e| + |W_e| |P_d| +
-/// |W_de| r) / W_min. Where coefficients alone are a loose bound (rational, high degree) the piece
-/// is halved a few times; parts never lose certainty.
+/// The bounds hold because Bernstein coefficients bound the polynomial. From a rational piece X / W
+/// an affine map of the parameters is taken away, which has no second derivatives: X~ = X - (c +
+/// g . xi) W, r = max |X~| / W; then |P_d| <= (|X~_d| + |W_d| r) / W_min and |P_de| <= (|X~_de| +
+/// |W_d| |P_e| + |W_e| |P_d| + |W_de| r) / W_min, where P is X~ / W. Where coefficients alone are a
+/// loose bound (rational, high degree) the piece is halved a few times; parts never lose certainty.
 ///
 /// Holds scratch: one object per thread.
 class ChordBound
@@ -58,8 +58,9 @@ private:
   std::vector<int> Splits;             // direction of the halving at each level
   std::vector<Eigen::MatrixXd> Levels; // the part at each level
   Eigen::MatrixXd Centred;
+  Eigen::MatrixXd Scratch;
   Eigen::VectorXd Difference;
-  std::vector<double> First;  // per group: radius and bounds of the first derivatives
+  std::vector<double> First;  // per group: r and bounds of the first derivatives
   std::vector<double> Second; // per group
   std::vector<Bound> Result;
 };

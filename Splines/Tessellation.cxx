@@ -32,7 +32,7 @@ constexpr double RowShare = 0.4;
 // Keeps counts from flipping by round-off.
 constexpr double Slack = 1e-9;
 // How often pieces are halved to tighten their bounds: along edges, on faces, in volumes.
-constexpr int Halvings[3] = { 3, 2, 1 };
+constexpr int Halvings[3] = { 2, 2, 1 };
 // Below this part of the size of the coordinates, points coincide.
 constexpr double Coincident = 1e-14;
 

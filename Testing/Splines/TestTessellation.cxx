@@ -101,7 +101,7 @@ Errors SurfaceErrors(const Patch& patch, const SurfaceMesh& mesh)
 
 Errors SolidErrors(const Patch& patch, const SolidMesh& mesh)
 {
-  constexpr int N = 6;
+  constexpr int N = 4;
   std::vector<Eigen::Matrix<double, 8, 1>> samples;
   for (int n = 0; n < (N + 1) * (N + 1) * (N + 1); ++n)
   {
@@ -335,7 +335,8 @@ TEST(ChordBound, HoldsForRandomPieces)
         spline.Homogeneous(), degrees, spline.IsRational(), ChordBound::Norm::Components, halvings);
       ASSERT_EQ(components.size(), 3u);
       const Evaluator evaluator(spline);
-      for (int sample = 0; sample < 200; ++sample)
+      const Eigen::VectorXd corner = spline.Coefficients().col(0);
+      for (int sample = 0; sample < 100; ++sample)
       {
         const Eigen::Vector3d parameters = 0.5 *
           (Eigen::Vector3d::Ones() +
@@ -346,6 +347,7 @@ TEST(ChordBound, HoldsForRandomPieces)
         Eigen::Matrix<double, 3, 6> second;
         evaluator.EvaluateWithSecondDerivatives(
           1, parameters.data(), value.data(), first.data(), second.data());
+        ASSERT_LE((value - corner).norm(), 2.0 * vector[0].Radius * (1 + 1e-12));
         for (int pair = 0; pair < 6; ++pair)
         {
           const auto p = static_cast<std::size_t>(pair);
@@ -361,16 +363,16 @@ TEST(ChordBound, HoldsForRandomPieces)
   }
 }
 
-TEST(ChordBound, AsksForAtMostTwiceTheSegmentsOfACircle)
+TEST(ChordBound, AsksForHardlyMoreSegmentsThanACircleNeeds)
 {
   const double s = std::sqrt(0.5);
   Eigen::MatrixXd arc(3, 3);
   arc << 1, s, 0, 0, s, 1, 1, s, 1;
   ChordBound bound;
-  const double second = bound(arc, { 2, 0, 0 }, true, ChordBound::Norm::Vector, 3)[0].Second[0];
+  const double second = bound(arc, { 2, 0, 0 }, true, ChordBound::Norm::Vector, 2)[0].Second[0];
   // The least that any number of segments can do: chords of equal length, sagitta = L^2 / 8.
   const double fewest = std::acos(-1.0) / 2;
-  EXPECT_LT(std::sqrt(second), 2.0 * fewest);
+  EXPECT_LT(std::sqrt(second), 1.2 * fewest);
 }
 
 TEST(Tessellation, QuarterTubeIsWithinToleranceAndNotFarBelow)
@@ -395,7 +397,7 @@ TEST(Tessellation, QuarterTubeIsWithinToleranceAndNotFarBelow)
 TEST(Tessellation, RandomVolumesWithAttributesAreWithinTolerance)
 {
   std::mt19937 random(5);
-  for (int trial = 0; trial < 10; ++trial)
+  for (int trial = 0; trial < 6; ++trial)
   {
     const std::array<int, 3> degrees{ 1 + int(random() % 4), 1 + int(random() % 3),
       1 + int(random() % 3) };
@@ -423,8 +425,8 @@ TEST(Tessellation, HighDegreesAreWithinTolerance)
   {
     const Patch patch = MakePatch(
       WobblyCube(random, { degree, degree < 8 ? 2 : 1, 1 + degree % 3 }, 1, degree % 2 == 0));
-    const SurfaceMesh mesh = TessellateBoundary(patch, 1, Tolerances(0.01));
-    EXPECT_LE(SurfaceErrors(patch, mesh).Position, 0.01 * Bound);
+    const SurfaceMesh mesh = TessellateBoundary(patch, 1, Tolerances(0.03));
+    EXPECT_LE(SurfaceErrors(patch, mesh).Position, 0.03 * Bound);
     EXPECT_EQ(ExpectClosed(mesh), 2);
   }
 }
@@ -756,7 +758,7 @@ TEST(Tessellation, CurvesAreWithinTolerance)
 TEST(Tessellation, HexahedraAreWithinToleranceAndPositive)
 {
   std::mt19937 random(13);
-  for (int trial = 0; trial < 4; ++trial)
+  for (int trial = 0; trial < 2; ++trial)
   {
     const Spline cube = WobblyCube(random, { 2, 3, 1 }, 2, trial % 2 == 0);
     const Patch patch = MakePatch(cube, { OwnAttribute(random, cube, 2) });
@@ -777,8 +779,9 @@ TEST(Tessellation, HexahedraAreWithinToleranceAndPositive)
       points.row(2) *= handedness;
       const Patch patch = MakePatch(Spline(tube.Knots(), points, tube.Weights()));
       const SolidMesh mesh = TessellateSolid(patch, handedness, Tolerances(tolerance));
-      EXPECT_LE(SolidErrors(patch, mesh).Position, tolerance * Bound);
-      EXPECT_GE(SolidErrors(patch, mesh).Position, tolerance / 4);
+      const double distance = SolidErrors(patch, mesh).Position;
+      EXPECT_LE(distance, tolerance * Bound);
+      EXPECT_GE(distance, tolerance / 4);
       double volume = 0.0;
       for (Eigen::Index h = 0; h < mesh.Hexahedra.cols(); ++h)
       {
