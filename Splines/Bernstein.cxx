@@ -127,19 +127,6 @@ void Unscale(const std::array<int, 3>& degrees, Eigen::VectorXd& c)
     });
 }
 
-/// c += a * b for arrays of n and m numbers.
-void ConvolveRow(const double* a, int n, const double* b, int m, double* c)
-{
-  for (int i = 0; i < n; ++i)
-  {
-    const double factor = a[i];
-    for (int j = 0; j < m; ++j)
-    {
-      c[i + j] += factor * b[j];
-    }
-  }
-}
-
 /// The same polynomial with one degree less in a direction, for one that is known to have it.
 ///
 /// In scaled coefficients elevation is a convolution with (1, 1), so that reduction is an
@@ -350,7 +337,7 @@ Bernstein operator*(double factor, const Bernstein& a)
 
 Bernstein operator*(const Bernstein& a, const Bernstein& b)
 {
-  // The inner loop runs over the longer rows.
+  // The runs below are those of the longer rows.
   if (a.D[0] > b.D[0])
   {
     return b * a;
@@ -372,22 +359,25 @@ Bernstein operator*(const Bernstein& a, const Bernstein& b)
     summands *= std::min(a.D[d], b.D[d]) + 1;
   }
   const Eigen::VectorXd scaledA = Scaled(a);
-  const Eigen::VectorXd scaledB = Scaled(b);
+  // The rows of b at the distance of those of the product: then a plane of b, multiplied by a
+  // coefficient of a, is added in one run.
+  const Eigen::Index row = degrees[0] + 1;
+  const Eigen::Index run = row * b.D[1] + b.D[0] + 1;
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(row * (b.D[1] + 1), b.D[2] + 1);
+  spread.reshaped(row, (b.D[1] + 1) * (b.D[2] + 1)).topRows(b.D[0] + 1) =
+    Scaled(b).reshaped(b.D[0] + 1, (b.D[1] + 1) * (b.D[2] + 1));
   Eigen::VectorXd c = Eigen::VectorXd::Zero(Count(degrees));
-  const int n = a.D[0] + 1;
-  const int m = b.D[0] + 1;
+  const double* factor = scaledA.data();
   for (int k = 0; k <= a.D[2]; ++k)
   {
     for (int j = 0; j <= a.D[1]; ++j)
     {
-      const double* rowA = scaledA.data() + n * (j + k * (a.D[1] + 1));
-      for (int l = 0; l <= b.D[2]; ++l)
+      for (int i = 0; i <= a.D[0]; ++i, ++factor)
       {
-        const double* rowB = scaledB.data() + m * (l * (b.D[1] + 1));
-        double* rowC = c.data() + (degrees[0] + 1) * (j + (k + l) * (degrees[1] + 1));
-        for (int i = 0; i <= b.D[1]; ++i)
+        for (int l = 0; l <= b.D[2]; ++l)
         {
-          ConvolveRow(rowA, n, rowB + m * i, m, rowC + (degrees[0] + 1) * i);
+          c.segment(i + row * (j + (k + l) * (degrees[1] + 1)), run) +=
+            *factor * Eigen::Map<const Eigen::VectorXd>(spread.col(l).data(), run);
         }
       }
     }
@@ -401,8 +391,8 @@ Bernstein operator*(const Bernstein& a, const Bernstein& b)
   return Bernstein(degrees, std::move(c), bound);
 }
 
-Bernstein JacobianDeterminant(
-  const Eigen::MatrixXd& homogeneousBezierPoints, std::array<int, 3> degrees, bool rational)
+Bernstein JacobianDeterminant(const Eigen::MatrixXd& homogeneousBezierPoints,
+  std::array<int, 3> degrees, bool rational, double pointError)
 {
   const Eigen::MatrixXd& h = homogeneousBezierPoints;
   const Eigen::Index rows = rational ? 4 : 3;
@@ -422,12 +412,12 @@ Bernstein JacobianDeterminant(
   for (Eigen::Index r = 0; r < rows; ++r)
   {
     const auto i = static_cast<std::size_t>(r);
-    x[i] = Bernstein(degrees, h.row(r).transpose());
+    x[i] = Bernstein(degrees, h.row(r).transpose(), pointError);
     if (rational && r < 3)
     {
       // The determinant is the same about any origin; near the volume its terms do not cancel.
       const double origin = h.row(r).sum() / h.row(3).sum();
-      x[i] = x[i] - origin * Bernstein(degrees, h.row(3).transpose());
+      x[i] = x[i] - origin * Bernstein(degrees, h.row(3).transpose(), pointError);
     }
     u[i] = x[i].Derivative(0);
     v[i] = x[i].Derivative(1);

@@ -91,9 +91,10 @@ private:
 ///
 /// \param homogeneousBezierPoints 3 x product of (degrees + 1) if polynomial, 4 x if rational:
 /// columns (w x, w y, w z, w), u fastest, as BezierExtractor gives them
+/// \param pointError bound of the error that each number of the points already has
 /// \throws Error if the number of rows or columns does not fit or a degree is 0
-[[nodiscard]] Bernstein JacobianDeterminant(
-  const Eigen::MatrixXd& homogeneousBezierPoints, std::array<int, 3> degrees, bool rational);
+[[nodiscard]] Bernstein JacobianDeterminant(const Eigen::MatrixXd& homogeneousBezierPoints,
+  std::array<int, 3> degrees, bool rational, double pointError = 0.0);
 
 }
 
