@@ -347,7 +347,7 @@ TEST(ChordBound, HoldsForRandomPieces)
         Eigen::Matrix<double, 3, 6> second;
         evaluator.EvaluateWithSecondDerivatives(
           1, parameters.data(), value.data(), first.data(), second.data());
-        ASSERT_LE((value - corner).norm(), 2.0 * vector[0].Radius * (1 + 1e-12));
+        ASSERT_LE((value - corner).norm(), 2.0 * vector[0].Radius * (1 + 1e-12) + 1e-15);
         for (int pair = 0; pair < 6; ++pair)
         {
           const auto p = static_cast<std::size_t>(pair);
