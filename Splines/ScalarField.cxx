@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -17,6 +18,8 @@ namespace
 
 /// Points are worked on in chunks of this size, with scratch made once per call.
 constexpr std::size_t Chunk = 256;
+
+constexpr double UnitRoundoff = std::numeric_limits<double>::epsilon();
 
 std::array<std::vector<double>, 3> BreaksOf(const Spline& spline)
 {
@@ -54,27 +57,53 @@ void ForControlWindow(const Spline& spline, const std::array<int, 3>& spans, Vis
 }
 
 /// Homogeneous components of the spline on a box, each as a polynomial on the unit cube.
-Eigen::MatrixXd BezierPoints(const Spline& spline, const ParameterBox& box)
+struct BezierBox
 {
-  std::array<int, 3> spans = SpansAround(spline, box);
+  Eigen::MatrixXd Points;
+  double Error; ///< bound of the rounding error of each number
+};
+
+BezierBox OnBezierBox(const Spline& spline, const ParameterBox& box)
+{
+  const std::array<int, 3> knots = SpansAround(spline, box);
+  std::array<int, 3> spans{};
+  int operations = 6;
   for (std::size_t d = 0; d < 3; ++d)
   {
     const std::vector<int>& all = spline.Knots()[d].Spans();
-    spans[d] = static_cast<int>(std::lower_bound(all.begin(), all.end(), spans[d]) - all.begin());
+    spans[d] = static_cast<int>(std::lower_bound(all.begin(), all.end(), knots[d]) - all.begin());
+    operations += 6 * spline.Knots()[d].Degree();
   }
-  Eigen::MatrixXd points;
-  BezierExtractor(spline).Extract(spans, box.Low, box.High, points);
-  return points;
+  BezierBox result;
+  BezierExtractor(spline).Extract(spans, box.Low, box.High, result.Points);
+  // Weights of blossoms inside a span are sums of positive terms of degree factors, five roundings
+  // each; they sum to 1 (Higham 2002, section 3.1).
+  double largest = 0.0;
+  ForControlWindow(spline, knots,
+    [&spline, &largest](Eigen::Index i)
+    {
+      const double weight = spline.IsRational() ? spline.Weights()[i] : 1.0;
+      const double magnitude = spline.Coefficients().col(i).cwiseAbs().maxCoeff();
+      largest =
+        std::max(largest, weight * (spline.IsRational() ? std::max(1.0, magnitude) : magnitude));
+    });
+  result.Error = UnitRoundoff * operations * largest;
+  return result;
 }
 
-Spline Weighted(const Spline& spline, const Eigen::RowVectorXd& values)
+/// w (values - offset) as coefficients of a polynomial field, and what rounding did to them.
+PolynomialField Weighted(
+  const Spline& spline, const Eigen::RowVectorXd& values, double offset, int operations)
 {
-  Eigen::MatrixXd coefficients = values;
+  Eigen::MatrixXd coefficients = values.array() - offset;
+  double largest = values.cwiseAbs().maxCoeff() + std::abs(offset);
   if (spline.IsRational())
   {
     coefficients.array() *= spline.Weights().transpose().array();
+    largest *= spline.Weights().maxCoeff();
   }
-  return Spline(spline.Knots(), std::move(coefficients));
+  return PolynomialField(
+    Spline(spline.Knots(), std::move(coefficients)), UnitRoundoff * operations * largest);
 }
 
 }
@@ -89,8 +118,9 @@ bool ScalarField::Excludes(const ParameterBox& /*box*/) const
 void ScalarField::Snap(std::size_t /*count*/, double* /*points*/) const {}
 
 //------------------------------------------------------------------------------------------------
-PolynomialField::PolynomialField(Spline polynomial)
+PolynomialField::PolynomialField(Spline polynomial, double coefficientError)
   : F(std::move(polynomial))
+  , CoefficientError(coefficientError)
   , E(this->F)
 {
   if (this->F.Components() != 1 || this->F.IsRational())
@@ -117,7 +147,9 @@ std::array<std::vector<double>, 3> PolynomialField::Breaks() const
 
 std::optional<Bernstein> PolynomialField::OnBox(const ParameterBox& box) const
 {
-  return Bernstein(this->F.Degrees(), BezierPoints(this->F, box).row(0).transpose());
+  const BezierBox bezier = OnBezierBox(this->F, box);
+  return Bernstein(
+    this->F.Degrees(), bezier.Points.row(0).transpose(), bezier.Error + this->CoefficientError);
 }
 
 bool PolynomialField::Excludes(const ParameterBox& box) const
@@ -131,7 +163,7 @@ bool PolynomialField::Excludes(const ParameterBox& box) const
       low = std::min(low, value);
       high = std::max(high, value);
     });
-  return low > 0.0 || high < 0.0;
+  return low > this->CoefficientError || high < -this->CoefficientError;
 }
 
 PolynomialField AttributeField(const Spline& attribute, int component, double value)
@@ -141,16 +173,13 @@ PolynomialField AttributeField(const Spline& attribute, int component, double va
     throw Error("component " + std::to_string(component) + " is not one of the attribute's " +
       std::to_string(attribute.Components()));
   }
-  const Eigen::RowVectorXd values = attribute.Coefficients().row(component).array() - value;
-  return PolynomialField(Weighted(attribute, values));
+  return Weighted(attribute, attribute.Coefficients().row(component), value, 2);
 }
 
 //------------------------------------------------------------------------------------------------
 PlaneField::PlaneField(const Spline& geometry, const Quadric& plane)
   : PolynomialField(Weighted(geometry,
-      ((plane.b.head(geometry.Components()).transpose() * geometry.Coefficients()).array() +
-        plane.c)
-        .matrix()))
+      plane.b.head(geometry.Components()).transpose() * geometry.Coefficients(), -plane.c, 8))
   , Q(plane)
 {
 }
@@ -246,7 +275,8 @@ std::array<std::vector<double>, 3> QuadricField::Breaks() const
 
 std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
 {
-  const Eigen::MatrixXd points = BezierPoints(this->S, box);
+  const BezierBox bezier = OnBezierBox(this->S, box);
+  const Eigen::MatrixXd& points = bezier.Points;
   const auto degrees = this->S.Degrees();
   const int m = this->S.Components();
   // Around the middle of the control points, so that far-away models do not lose digits.
@@ -259,13 +289,13 @@ std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
   const Eigen::Vector3d b = this->Q.Gradient(centre);
   const double c0 = this->Q(centre);
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(points.cols());
-  const Bernstein weight(
-    degrees, this->S.IsRational() ? Eigen::VectorXd(points.row(m).transpose()) : ones);
+  const Bernstein weight = this->S.IsRational()
+    ? Bernstein(degrees, points.row(m).transpose(), bezier.Error)
+    : Bernstein(degrees, ones);
   std::vector<Bernstein> x;
   for (int c = 0; c < m; ++c)
   {
-    x.emplace_back(
-      degrees, Eigen::VectorXd(points.row(c).transpose() - centre[c] * weight.Coefficients()));
+    x.push_back(Bernstein(degrees, points.row(c).transpose(), bezier.Error) - centre[c] * weight);
   }
   Bernstein linear = c0 * weight;
   for (int c = 0; c < m; ++c)
@@ -384,7 +414,8 @@ std::array<std::vector<double>, 3> JacobianField::Breaks() const
 
 std::optional<Bernstein> JacobianField::OnBox(const ParameterBox& box) const
 {
-  return JacobianDeterminant(BezierPoints(this->S, box), this->S.Degrees(), this->S.IsRational());
+  const BezierBox bezier = OnBezierBox(this->S, box);
+  return JacobianDeterminant(bezier.Points, this->S.Degrees(), this->S.IsRational(), bezier.Error);
 }
 
 //------------------------------------------------------------------------------------------------

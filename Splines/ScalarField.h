@@ -5,7 +5,7 @@
 #include "Bernstein.h"
 #include "Evaluator.h"
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 
 #include <array>
 #include <cstddef>
@@ -61,7 +61,8 @@ public:
 class PolynomialField : public ScalarField
 {
 public:
-  explicit PolynomialField(Spline polynomial);
+  /// \param coefficientError bound of the error that each coefficient already has
+  explicit PolynomialField(Spline polynomial, double coefficientError = 0.0);
 
   void Evaluate(std::size_t count, const double* parameters, double* values) const override;
   void EvaluateWithGradient(
@@ -72,6 +73,7 @@ public:
 
 private:
   Spline F;
+  double CoefficientError;
   Evaluator E;
 };
 

@@ -110,10 +110,14 @@ private:
   void SearchBox(
     Cell low, Cell high, const Bernstein& f, std::vector<Cell>& cells, Found& found) const;
   void SignCells(const std::vector<Cell>& cells, bool certified, Found& found) const;
+  /// Whether a zero in a cell can neither be excluded nor shows as a sign change at corners.
+  [[nodiscard]] bool IsUndecided(const Bernstein& f) const;
   [[nodiscard]] bool IsExcluded(const Bernstein& f, int depth) const;
   bool FindVertices();
   bool EvaluateVertices();
   void MakeCells();
+  void Triangulate(const std::vector<Index>& ring, const std::vector<CellEdge>& edges,
+    std::vector<std::array<Index, 3>>& triangles) const;
   bool MeasureErrors();
   void MeasureCells(Index begin, Index end, ZeroSetCertificate& certificate,
     std::array<std::vector<int>, 3>& wanted) const;
@@ -268,6 +272,28 @@ double ZeroSet::Worker::Width(const Cell& at) const
   return box.diagonal().norm();
 }
 
+bool ZeroSet::Worker::IsUndecided(const Bernstein& f) const
+{
+  double low = INFINITY;
+  double high = -INFINITY;
+  const auto n = f.Degrees();
+  const Index nu = n[0] + 1;
+  const Index nv = n[1] + 1;
+  for (int c = 0; c < 8; ++c)
+  {
+    const Index i = (c & 1) * n[0] + nu * ((c >> 1 & 1) * n[1] + nv * ((c >> 2) * n[2]));
+    low = std::min(low, f.Coefficients()[i]);
+    high = std::max(high, f.Coefficients()[i]);
+  }
+  const double noise = f.RoundingBound();
+  // A surface through a corner, up to round-off, is drawn by the cells on its other side.
+  const bool throughCorner =
+    (f.Min() >= -noise && low <= noise) || (f.Max() <= noise && high >= -noise);
+  const bool signChange = low < 0.0 && high >= 0.0;
+  return !throughCorner && !signChange &&
+    !this->IsExcluded(f, 2 * static_cast<int>(this->Axes.size()));
+}
+
 bool ZeroSet::Worker::IsExcluded(const Bernstein& f, int depth) const
 {
   if (f.Min() > f.RoundingBound() || f.Max() < -f.RoundingBound())
@@ -300,13 +326,7 @@ void ZeroSet::Worker::SearchBox(
   const auto W = static_cast<std::size_t>(widest);
   if (high[W] - low[W] == 1)
   {
-    const double corner = f(0.0, 0.0, 0.0);
-    bool signChange = false;
-    for (int c = 1; c < 8 && !signChange; ++c)
-    {
-      signChange = (f(c & 1, c >> 1 & 1, c >> 2) >= 0.0) != (corner >= 0.0);
-    }
-    if (!signChange && !this->IsExcluded(f, 2 * static_cast<int>(this->Axes.size())))
+    if (this->IsUndecided(f))
     {
       ++found.Undecided;
       if (this->Width(low) > this->Options.FeatureSize)
@@ -666,12 +686,76 @@ bool ZeroSet::Worker::EvaluateVertices()
     });
 }
 
+void ZeroSet::Worker::Triangulate(const std::vector<Index>& ring,
+  const std::vector<CellEdge>& edges, std::vector<std::array<Index, 3>>& triangles) const
+{
+  // The triangulation with the least sum of squared diagonals: flat, well shaped, the same on any
+  // thread. A diagonal inside a face of the cell is forbidden where there is another way: the
+  // neighbour might draw it too. Klincsek's dynamic program; polygons are short.
+  constexpr std::size_t Most = 16;
+  const std::size_t n = ring.size();
+  std::array<std::array<double, Most>, Most> cost{};
+  std::array<std::array<std::size_t, Most>, Most> apex{};
+  const auto weight = [&](std::size_t i, std::size_t j)
+  {
+    if (j - i == 1 || j - i == n - 1)
+    {
+      return 0.0;
+    }
+    bool inFace = false;
+    for (int a = 0; a < 3; ++a)
+    {
+      inFace = inFace ||
+        (a != edges[i].Axis && a != edges[j].Axis &&
+          ((edges[i].Corner ^ edges[j].Corner) >> a & 1) == 0);
+    }
+    const double square =
+      (this->Mesh.Points.col(ring[i]) - this->Mesh.Points.col(ring[j])).squaredNorm();
+    return inFace ? 1e100 : square;
+  };
+  for (std::size_t length = 2; length < n; ++length)
+  {
+    for (std::size_t i = 0; i + length < n; ++i)
+    {
+      const std::size_t j = i + length;
+      cost[i][j] = INFINITY;
+      for (std::size_t k = i + 1; k < j; ++k)
+      {
+        const double sum = cost[i][k] + cost[k][j] + weight(i, k) + weight(k, j);
+        if (sum < cost[i][j])
+        {
+          cost[i][j] = sum;
+          apex[i][j] = k;
+        }
+      }
+    }
+  }
+  triangles.clear();
+  const std::function<void(std::size_t, std::size_t)> cut = [&](std::size_t i, std::size_t j)
+  {
+    if (j - i < 2)
+    {
+      return;
+    }
+    const std::size_t k = apex[i][j];
+    if (ring[i] != ring[k] && ring[k] != ring[j] && ring[j] != ring[i])
+    {
+      triangles.push_back({ ring[i], ring[k], ring[j] });
+    }
+    cut(i, k);
+    cut(k, j);
+  };
+  cut(0, n - 1);
+}
+
 void ZeroSet::Worker::MakeCells()
 {
   const int axes = static_cast<int>(this->Axes.size());
   std::vector<Index> indices;
   this->CellOfPiece.clear();
   std::vector<Index> ring;
+  std::vector<CellEdge> edges;
+  std::vector<std::array<Index, 3>> triangles;
   const auto vertexOf = [&](const CrossedCell& cell, const CellEdge& edge)
   {
     const int other = edge.Corner | 1 << edge.Axis;
@@ -700,17 +784,20 @@ void ZeroSet::Worker::MakeCells()
     for (const std::vector<CellEdge>& piece : PiecesOfCell(axes, cell.Positive))
     {
       ring.clear();
+      edges.clear();
       for (const CellEdge& edge : piece)
       {
         const Index v = vertexOf(cell, edge);
         if (ring.empty() || ring.back() != v)
         {
           ring.push_back(v);
+          edges.push_back(edge);
         }
       }
       while (ring.size() > 1 && ring.front() == ring.back())
       {
         ring.pop_back();
+        edges.pop_back();
       }
       if (axes == 1)
       {
@@ -720,25 +807,10 @@ void ZeroSet::Worker::MakeCells()
       {
         add(cell.At, { ring[0], ring[1] });
       }
-      // Cut ears along the shortest diagonal: flat, well shaped, and the same on any thread.
-      while (axes == 3 && ring.size() >= 3)
+      else if (axes == 3 && ring.size() >= 3)
       {
-        const std::size_t n = ring.size();
-        std::size_t best = 1;
-        double shortest = INFINITY;
-        for (std::size_t i = 0; i < n && n > 3; ++i)
-        {
-          const double length = (point(ring[i]) - point(ring[(i + 2) % n])).squaredNorm();
-          if (length < shortest)
-          {
-            shortest = length;
-            best = (i + 1) % n;
-          }
-        }
-        const Index a = ring[(best + n - 1) % n];
-        const Index b = ring[best];
-        const Index c = ring[(best + 1) % n];
-        if (a != b && b != c && c != a)
+        this->Triangulate(ring, edges, triangles);
+        for (const auto& [a, b, c] : triangles)
         {
           if (this->Options.Handedness > 0)
           {
@@ -749,7 +821,6 @@ void ZeroSet::Worker::MakeCells()
             add(cell.At, { a, c, b });
           }
         }
-        ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(best));
       }
     }
   }
@@ -878,9 +949,11 @@ void ZeroSet::Worker::MeasureCells(Index begin, Index end, ZeroSetCertificate& c
       {
         const auto D = static_cast<std::size_t>(d);
         const bool there = !this->Grid.Counts[D].empty();
-        const double h = there ? this->Line(d, cell[D] + 1) - this->Line(d, cell[D]) : 0.0;
+        const double low = this->Line(d, cell[D]);
+        const double high = there ? this->Line(d, cell[D] + 1) : low;
+        const double h = high - low;
         // An edge in a plane of the grid belongs to the cells on both sides: stay in the plane.
-        const bool locked = !centre && a[d] == b[d];
+        const bool locked = !centre && a[d] == b[d] && (a[d] == low || a[d] == high);
         step(d, q) = locked ? 0.0 : h * h;
         const auto& creases = this->Creases[D];
         if (there && locked && std::find(creases.begin(), creases.end(), a[d]) != creases.end())
@@ -904,11 +977,10 @@ void ZeroSet::Worker::MeasureCells(Index begin, Index end, ZeroSetCertificate& c
       if (slope > 0.0)
       {
         move = -values[static_cast<std::size_t>(q)] / slope * direction;
-        // Not further than the cell is wide: near a singular point Newton may run away.
-        for (int d = 0; d < 3; ++d)
+        // Further than the cell is wide is no step of Newton's but noise at a singular point.
+        if ((move.array().square() > step.col(q).array()).any())
         {
-          const double h = std::sqrt(step(d, q));
-          move[d] = std::clamp(move[d], -h, h);
+          move.setZero();
         }
       }
       at.col(q) += move;
