@@ -12,7 +12,7 @@ set(hyperpatch_vtk_components
   FiltersCore
   FiltersGeneral
   IOXML
-  IOXMLParser
+  IOParallelXML
   ParallelCore)
 
 if (HYPERPATCH_BUILD_PLUGIN)

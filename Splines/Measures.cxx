@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace hyperpatch
@@ -34,6 +35,7 @@ int Handedness(const Spline& geometry)
   std::vector<double> derivatives(9 * count);
   Evaluator(geometry).EvaluateGrid(centres, values.data(), derivatives.data());
   double sum = 0.0;
+  double largest = 0.0; // what the sum could be, as measure of its rounding
   const double* jacobian = derivatives.data();
   for (const double w : lengths[2])
   {
@@ -41,12 +43,18 @@ int Handedness(const Spline& geometry)
     {
       for (const double u : lengths[0])
       {
-        sum += Eigen::Map<const Eigen::Matrix3d>(jacobian).determinant() * u * v * w;
+        const Eigen::Map<const Eigen::Matrix3d> columns(jacobian);
+        sum += columns.determinant() * u * v * w;
+        largest += columns.colwise().norm().prod() * u * v * w;
         jacobian += 9;
       }
     }
   }
-  return sum > 0.0 ? 1 : sum < 0.0 ? -1 : 0;
+  if (std::abs(sum) <= 1e-13 * largest)
+  {
+    return 0;
+  }
+  return sum > 0.0 ? 1 : -1;
 }
 
 int Handedness(const Patch& patch)

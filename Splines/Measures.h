@@ -8,7 +8,8 @@ namespace hyperpatch
 {
 
 /// 1 or -1: the sign of det J on average, estimated as the sum over the elements of det J at the
-/// centre times the volume of the span. 0 if the spline is no volume in space, or the sum is 0.
+/// centre times the volume of the span. 0 if the spline is no volume in space, or the
+/// sum is 0 to rounding (1e-13 of what it could be).
 [[nodiscard]] int Handedness(const Spline& geometry);
 
 /// The same of the whole patch that this is a part of.
