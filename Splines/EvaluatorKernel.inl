@@ -29,7 +29,7 @@ typedef Quad Piece;
 
 // Registers of a u-row that are contracted together, by order: as many as there are registers for
 // their sums.
-constexpr int Together[3] = { Lanes == 2 ? 4 : 4, Lanes == 8 ? 2 : 2, Lanes == 8 ? 2 : 1 };
+constexpr int Together[3] = { 4, 2, Lanes == 8 ? 2 : 1 };
 
 template <int Width>
 struct PieceFor

@@ -440,14 +440,14 @@ void GridWithDerivatives(benchmark::State& state)
   SetRate(state);
 }
 
-BENCHMARK(PositionPlainLoop)->Unit(benchmark::kMillisecond);
-BENCHMARK(Position)->Unit(benchmark::kMillisecond);
-BENCHMARK(PositionOneByOne)->Unit(benchmark::kMillisecond);
-BENCHMARK(PositionAndJacobianPlainLoop)->Unit(benchmark::kMillisecond);
-BENCHMARK(PositionAndJacobian)->Unit(benchmark::kMillisecond);
-BENCHMARK(SecondDerivatives)->Unit(benchmark::kMillisecond);
-BENCHMARK(GridPlainLoop)->Unit(benchmark::kMillisecond);
-BENCHMARK(Grid)->Unit(benchmark::kMillisecond);
-BENCHMARK(GridWithDerivatives)->Unit(benchmark::kMillisecond);
+BENCHMARK(PositionPlainLoop)->Unit(benchmark::kMillisecond)->MinTime(0.3);
+BENCHMARK(Position)->Unit(benchmark::kMillisecond)->MinTime(0.3);
+BENCHMARK(PositionOneByOne)->Unit(benchmark::kMillisecond)->MinTime(0.3);
+BENCHMARK(PositionAndJacobianPlainLoop)->Unit(benchmark::kMillisecond)->MinTime(0.3);
+BENCHMARK(PositionAndJacobian)->Unit(benchmark::kMillisecond)->MinTime(0.3);
+BENCHMARK(SecondDerivatives)->Unit(benchmark::kMillisecond)->MinTime(0.3);
+BENCHMARK(GridPlainLoop)->Unit(benchmark::kMillisecond)->MinTime(0.3);
+BENCHMARK(Grid)->Unit(benchmark::kMillisecond)->MinTime(0.3);
+BENCHMARK(GridWithDerivatives)->Unit(benchmark::kMillisecond)->MinTime(0.3);
 
 }
