@@ -24,7 +24,7 @@ class VTKNURBSFILTERS_EXPORT vtkNURBSContour : public vtkNURBSZeroSetAlgorithm
 {
 public:
   static vtkNURBSContour* New();
-  vtkTypeMacro(vtkNURBSContour, vtkNURBSZeroSetAlgorithm);
+  vtkTypeMacro(vtkNURBSContour, vtkNURBSZeroSetAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{

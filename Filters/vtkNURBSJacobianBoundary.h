@@ -31,7 +31,7 @@ class VTKNURBSFILTERS_EXPORT vtkNURBSJacobianBoundary : public vtkNURBSZeroSetAl
 {
 public:
   static vtkNURBSJacobianBoundary* New();
-  vtkTypeMacro(vtkNURBSJacobianBoundary, vtkNURBSZeroSetAlgorithm);
+  vtkTypeMacro(vtkNURBSJacobianBoundary, vtkNURBSZeroSetAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /// Values of the cell array `Piece` beyond the faces 0..5; 6 is kept for C0 knot planes.

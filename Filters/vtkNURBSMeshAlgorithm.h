@@ -33,7 +33,7 @@ struct Patch;
 class VTKNURBSFILTERS_EXPORT vtkNURBSMeshAlgorithm : public vtkNURBSAlgorithm
 {
 public:
-  vtkAbstractTypeMacro(vtkNURBSMeshAlgorithm, vtkNURBSAlgorithm);
+  vtkAbstractTypeMacro(vtkNURBSMeshAlgorithm, vtkNURBSAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{

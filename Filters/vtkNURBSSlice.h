@@ -39,7 +39,7 @@ class VTKNURBSFILTERS_EXPORT vtkNURBSSlice : public vtkNURBSZeroSetAlgorithm
 {
 public:
   static vtkNURBSSlice* New();
-  vtkTypeMacro(vtkNURBSSlice, vtkNURBSZeroSetAlgorithm);
+  vtkTypeMacro(vtkNURBSSlice, vtkNURBSZeroSetAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /// Also that of the function.

@@ -35,7 +35,7 @@ class VTKNURBSFILTERS_EXPORT vtkNURBSTessellate : public vtkNURBSMeshAlgorithm
 {
 public:
   static vtkNURBSTessellate* New();
-  vtkTypeMacro(vtkNURBSTessellate, vtkNURBSMeshAlgorithm);
+  vtkTypeMacro(vtkNURBSTessellate, vtkNURBSMeshAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   enum MeshTypes

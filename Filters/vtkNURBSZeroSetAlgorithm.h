@@ -35,7 +35,7 @@ class ScalarField;
 class VTKNURBSFILTERS_EXPORT vtkNURBSZeroSetAlgorithm : public vtkNURBSMeshAlgorithm
 {
 public:
-  vtkAbstractTypeMacro(vtkNURBSZeroSetAlgorithm, vtkNURBSMeshAlgorithm);
+  vtkAbstractTypeMacro(vtkNURBSZeroSetAlgorithm, vtkNURBSMeshAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
 protected:
