@@ -20,6 +20,13 @@ vtkNURBSSolidRepresentation::vtkNURBSSolidRepresentation()
   this->SetupDefaults();
 }
 
+void vtkNURBSSolidRepresentation::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "GeometryFilter:\n";
+  this->GeometryFilter->PrintSelf(os, indent.GetNextIndent());
+}
+
 vtkNURBSTessellate* vtkNURBSSolidRepresentation::GetTessellation()
 {
   return static_cast<vtkNURBSGeometryFilter*>(this->GeometryFilter)->GetTessellation();

@@ -17,11 +17,14 @@ vtkPVArrayInformation* vtkSMNURBSRepresentationProxy::GetArrayInformationForColo
   const std::string style = vtkSMPropertyHelper(this, "Representation").GetAsString();
   if (style == "NURBS Solid" && this->GetUsingScalarColoring())
   {
-    // Before the first rendering there is nothing drawn yet to take the range of.
+    // What is drawn may be out of date, or nothing yet. An update of the view asks for ranges
+    // again.
     vtkSMViewProxy* view = vtkSMViewProxy::FindView(this);
-    if (view && view->GetNeedsUpdate())
+    if (view && view->GetNeedsUpdate() && !this->UpdatingView)
     {
+      this->UpdatingView = true;
       view->Update();
+      this->UpdatingView = false;
     }
     const vtkSMPropertyHelper color(this, "ColorArrayName");
     vtkPVArrayInformation* drawn = this->GetRepresentedDataInformation()->GetArrayInformation(

@@ -30,6 +30,8 @@ protected:
 private:
   vtkSMNURBSRepresentationProxy(const vtkSMNURBSRepresentationProxy&) = delete;
   void operator=(const vtkSMNURBSRepresentationProxy&) = delete;
+
+  bool UpdatingView = false;
 };
 
 #endif
