@@ -515,6 +515,24 @@ TEST(Derivative, AgreesWithTheEvaluator)
     });
 }
 
+TEST(Derivative, GoesThroughDiscontinuousBreaks)
+{
+  std::mt19937 random(19);
+  for (int degree : { 1, 5 })
+  {
+    std::vector<double> knots;
+    for (double knot : { 0.0, 1.0, 2.0 })
+    {
+      knots.insert(knots.end(), static_cast<std::size_t>(degree) + 1, knot);
+    }
+    const Spline jump = models::RandomSpline(
+      random, { KnotVector(degree, knots, Smoothness::Discontinuous) }, 2, false);
+    const Spline derivative = Derivative(jump, 0);
+    EXPECT_EQ(derivative.Knots(0).Multiplicity(1.0), degree);
+    ExpectDerivative(jump, 0, derivative, SteepestPiece(jump.Knots(0)), random);
+  }
+}
+
 TEST(Derivative, OfARationalSplinePointsToRationalDerivative)
 {
   EXPECT_NE(Message([] { static_cast<void>(Derivative(models::QuarterTube(), 0)); })
