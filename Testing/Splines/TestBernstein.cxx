@@ -343,6 +343,22 @@ TEST(JacobianDeterminant, RoundingBoundCoversExtendedPrecision)
   }
 }
 
+TEST(JacobianDeterminant, BoundCoversErrorsOfThePoints)
+{
+  std::mt19937 random(9);
+  const double error = 1e-6;
+  for (bool rational : { false, true })
+  {
+    Eigen::MatrixXd points = RandomIntegers(random, rational ? 4 : 3, 18, 1, 5);
+    const Bernstein exact = JacobianDeterminant(points, { 2, 1, 2 }, rational);
+    points += error * RandomIntegers(random, rational ? 4 : 3, 18, -1, 1);
+    const Bernstein moved = JacobianDeterminant(points, { 2, 1, 2 }, rational, error);
+    const double distance = (moved.Coefficients() - exact.Coefficients()).lpNorm<Eigen::Infinity>();
+    EXPECT_LE(distance, moved.RoundingBound() + exact.RoundingBound());
+    EXPECT_GT(distance, exact.RoundingBound());
+  }
+}
+
 TEST(JacobianDeterminant, IsOneForTheUnitCube)
 {
   Eigen::MatrixXd points(3, 8);
