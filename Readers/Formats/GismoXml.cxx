@@ -110,6 +110,10 @@ public:
   explicit XmlParser(std::string_view text)
     : Source(text)
   {
+    for (std::size_t i = text.find('\n'); i != text.npos; i = text.find('\n', i + 1))
+    {
+      this->LineEnds.push_back(i);
+    }
   }
   FileContents Parse();
 
@@ -131,17 +135,18 @@ private:
   std::vector<double> Numbers(const pugi::xml_node& node);
   [[nodiscard]] const Patch* FindPatch(long long id) const;
 
-  [[nodiscard]] std::size_t LineAt(const pugi::xml_node& node) const
+  [[nodiscard]] std::size_t LineAt(std::ptrdiff_t offset) const
   {
-    return LineOf(
-      this->Source, static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0)));
+    const auto end = std::lower_bound(this->LineEnds.begin(), this->LineEnds.end(),
+      static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0)));
+    return static_cast<std::size_t>(end - this->LineEnds.begin()) + 1;
   }
   /// "line 12, <Geometry id="3">"
   [[nodiscard]] std::string Where(const pugi::xml_node& node) const
   {
     const pugi::xml_attribute id = node.attribute("id");
-    return "line " + std::to_string(this->LineAt(node)) + ", <" + Printable(node.name()) +
-      (id ? " id=" + Quote(id.value()) : std::string()) + ">";
+    return "line " + std::to_string(this->LineAt(node.offset_debug())) + ", <" +
+      Printable(node.name()) + (id ? " id=" + Quote(id.value()) : std::string()) + ">";
   }
   [[noreturn]] void Fail(const pugi::xml_node& node, const std::string& message) const
   {
@@ -154,10 +159,11 @@ private:
   }
 
   std::string_view Source;
+  std::vector<std::size_t> LineEnds;
   FileContents Contents;
   std::unordered_map<long long, std::size_t> PatchOfId;
   std::map<std::string, std::size_t> BoundaryOfName;
-  std::size_t MissedInterfaces = 0;
+  std::size_t OldInterfaces = 0;
 };
 
 FileContents XmlParser::Parse()
@@ -167,10 +173,8 @@ FileContents XmlParser::Parse()
     this->Source.data(), this->Source.size(), pugi::parse_default, pugi::encoding_utf8);
   if (!result)
   {
-    throw Error("line " +
-      std::to_string(LineOf(
-        this->Source, static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0)))) +
-      ": not well-formed XML (" + result.description() + "): the file is damaged or cut short");
+    throw Error("line " + std::to_string(this->LineAt(result.offset)) + ": not well-formed XML (" +
+      result.description() + "): the file is damaged or cut short");
   }
   const pugi::xml_node root = document.child("xml");
   if (!root)
@@ -278,10 +282,11 @@ FileContents XmlParser::Parse()
       this->ReadMultiPatch(node);
     }
   }
-  if (this->MissedInterfaces > 0)
+  if (this->OldInterfaces > 0)
   {
-    this->Contents.Warnings.push_back(Counted(this->MissedInterfaces, "interface") +
-      " without direction map left out: the control points of the two sides do not coincide.");
+    this->Contents.Warnings.push_back(Counted(this->OldInterfaces, "interface") +
+      " without direction map (an old form of the file): it was taken from control points that "
+      "coincide to 1% of the patch; where they do not, the interface is left out.");
   }
   WarnOfFields(this->Contents);
   return std::move(this->Contents);
@@ -311,7 +316,7 @@ std::vector<double> XmlParser::Numbers(const pugi::xml_node& node)
     WithContext([&] { return this->Where(node); },
       [&]
       {
-        Scanner scanner(child.value(), this->LineAt(child), "element", '\0');
+        Scanner scanner(child.value(), this->LineAt(child.offset_debug()), "element", '\0');
         while (!scanner.AtEnd())
         {
           numbers.push_back(scanner.Quotient("a number"));
@@ -335,7 +340,7 @@ std::vector<long long> XmlParser::Integers(const pugi::xml_node& node)
       WithContext([&] { return this->Where(node); },
         [&]
         {
-          Scanner scanner(child.value(), this->LineAt(child), "element", '\0');
+          Scanner scanner(child.value(), this->LineAt(child.offset_debug()), "element", '\0');
           while (!scanner.AtEnd())
           {
             numbers.push_back(scanner.Integer("a patch, side or direction", 0, MaxInt));
@@ -608,14 +613,11 @@ bool XmlParser::AppendOldInterfaces(const std::vector<long long>& numbers, int d
     const Eigen::MatrixXd& points = patch.Body.Geometry().Coefficients();
     const double diagonal = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
     const auto interface = MatchSides(patch, static_cast<int>(n[1]) - 1, *this->FindPatch(n[2]),
-      static_cast<int>(n[3]) - 1, 1e-6 * diagonal);
+      static_cast<int>(n[3]) - 1, 1e-2 * diagonal);
+    ++this->OldInterfaces;
     if (interface)
     {
       this->Contents.Model.Interfaces.push_back(*interface);
-    }
-    else
-    {
-      ++this->MissedInterfaces;
     }
   }
   return true;

@@ -707,7 +707,8 @@ void MeshParser::AppendInterface(const PatchSide& one, std::size_t patch, int si
   const auto origin2 = corner(patch, vertices[0]);
   for (const int vertex : vertices)
   {
-    const auto d = EdgeDirection(origin1, corner(one.Patch, vertex));
+    const auto end1 = corner(one.Patch, vertex);
+    const auto d = EdgeDirection(origin1, end1);
     if (!d)
     {
       continue;
@@ -722,8 +723,7 @@ void MeshParser::AppendInterface(const PatchSide& one, std::size_t patch, int si
           " in an order that does not go around the same face");
     }
     direction[*d] = static_cast<int>(*e);
-    // The first vertex of a side is its lowest corner, so that direction d ascends in patch 1.
-    same[*d] = end2[*e] == 1;
+    same[*d] = end1[*d] == end2[*e];
   }
   this->Contents.Model.Interfaces.push_back(MakeInterface(
     static_cast<int>(one.Patch), one.Side, static_cast<int>(patch), side, direction, same));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace hyperpatch::formats
 {
@@ -14,6 +15,12 @@ namespace
 bool IsBlank(char c)
 {
   return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+/// from_chars takes no leading plus, which C and Fortran write.
+std::string_view WithoutPlus(std::string_view token)
+{
+  return token.size() > 1 && token[0] == '+' && token[1] != '-' ? token.substr(1) : token;
 }
 
 }
@@ -86,9 +93,10 @@ void Scanner::Expect(std::string_view word)
 long long Scanner::Integer(const char* what, long long low, long long high)
 {
   const std::string_view token = this->Next(what);
+  const std::string_view digits = WithoutPlus(token);
   long long value = 0;
-  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
-  if (error == std::errc::invalid_argument || end != token.data() + token.size())
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error == std::errc::invalid_argument || end != digits.data() + digits.size())
   {
     this->Fail(Quote(token) + " where " + what + ", an integer, is expected");
   }
@@ -102,12 +110,7 @@ long long Scanner::Integer(const char* what, long long low, long long high)
 
 double Scanner::ToReal(std::string_view token, const char* what) const
 {
-  // from_chars takes no leading plus, which C and Fortran write.
-  std::string_view digits = token;
-  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-')
-  {
-    digits.remove_prefix(1);
-  }
+  const std::string_view digits = WithoutPlus(token);
   double value = 0.0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error == std::errc::invalid_argument || end != digits.data() + digits.size())
@@ -192,7 +195,10 @@ std::string_view Scanner::NextLine()
 
 std::size_t Scanner::Line() const
 {
-  return this->FirstLine + LineOf(this->Text, this->Token) - 1;
+  const auto begin = this->Text.begin();
+  return this->FirstLine +
+    static_cast<std::size_t>(
+      std::count(begin, begin + static_cast<std::ptrdiff_t>(this->Token), '\n'));
 }
 
 void Scanner::Fail(const std::string& message) const
@@ -209,12 +215,6 @@ std::string Quote(std::string_view token)
     text += c >= ' ' && c <= '~' ? c : '?';
   }
   return text + (token.size() > longest ? "...\"" : "\"");
-}
-
-std::size_t LineOf(std::string_view text, std::size_t offset)
-{
-  const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(offset, text.size()));
-  return 1 + static_cast<std::size_t>(std::count(text.begin(), end, '\n'));
 }
 
 std::string Counted(std::size_t count, const std::string& thing)

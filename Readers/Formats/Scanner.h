@@ -74,9 +74,6 @@ private:
 /// A token as a message shows it: short and printable, in quotes.
 [[nodiscard]] std::string Quote(std::string_view token);
 
-/// "line n", n the line of an offset into a text.
-[[nodiscard]] std::size_t LineOf(std::string_view text, std::size_t offset);
-
 /// "3 things", "1 thing".
 [[nodiscard]] std::string Counted(std::size_t count, const std::string& thing);
 

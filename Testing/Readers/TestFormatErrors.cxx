@@ -1,0 +1,423 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Error.h"
+#include "RealFiles.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <random>
+#include <sstream>
+
+using namespace hyperpatch;
+
+namespace
+{
+
+template <class Parse>
+std::string MessageOf(Parse&& parse)
+{
+  try
+  {
+    parse();
+  }
+  catch (const Error& error)
+  {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// Expects an error whose message has every one of the parts.
+template <class Parse>
+void ExpectError(Parse&& parse, const std::vector<std::string>& parts)
+{
+  const std::string message = MessageOf(parse);
+  for (const std::string& part : parts)
+  {
+    EXPECT_NE(message.find(part), message.npos) << "\"" << part << "\" is not in: " << message;
+  }
+}
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to)
+{
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, text.npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+const std::string G2 = R"(700 1 0 0
+3 1
+2 2
+0 0 1 1
+2 2
+0 0 1 1
+2 2
+0 0 1 1
+0 0 0 1
+1 0 0 1
+0 1 0 1
+1 1 0 1
+0 0 1 1
+1 0 1 1
+0 1 1 1
+1 1 1 1
+)";
+
+const std::string Mesh = R"(MFEM NURBS mesh v1.0
+dimension 3
+elements 1
+1 5 0 1 2 3 4 5 6 7
+boundary 1
+3 3 0 1 2 3
+edges 12
+0 0 1
+0 3 2
+0 4 5
+0 7 6
+1 0 3
+1 1 2
+1 4 7
+1 5 6
+2 0 4
+2 1 5
+2 2 6
+2 3 7
+vertices 8
+knotvectors 3
+1 2 0 0 1 1
+1 2 0 0 1 1
+1 2 0 0 1 1
+weights
+1 1 1 1 1 1 1 1
+FiniteElementSpace
+FiniteElementCollection: NURBS1
+VDim: 3
+Ordering: 1
+0 0 0  1 0 0  1 1 0  0 1 0
+0 0 1  1 0 1  1 1 1  0 1 1
+)";
+
+const std::string MeshOfPatches = R"(MFEM NURBS mesh v1.0
+dimension 1
+elements 1
+1 1 0 1
+boundary 0
+edges 0
+vertices 2
+patches
+knotvectors 1
+1 2 0 0 1 1
+dimension 2
+controlpoints
+0 0 1
+2 2 2
+)";
+
+const std::string Xml = R"(<?xml version="1.0"?>
+<xml>
+<MultiPatch><patches type="id_range">3 3</patches>
+<interfaces>3 2 3 1 0 1 1 1</interfaces><boundary name="b">3 3 3 4</boundary></MultiPatch>
+<Geometry type="TensorNurbs2" id="3">
+<Basis type="TensorNurbsBasis2">
+<Basis type="TensorBSplineBasis2">
+<Basis type="BSplineBasis" index="0"><KnotVector degree="1">0 0 1 1</KnotVector></Basis>
+<Basis type="BSplineBasis" index="1"><KnotVector degree="1">0 0 2 2</KnotVector></Basis>
+</Basis>
+<weights>1 1 1 1</weights>
+</Basis>
+<coefs geoDim="2">0 0 1 0 0 1 1 1</coefs>
+</Geometry>
+</xml>
+)";
+
+}
+
+TEST(FormatErrors, TextsOfThisTestAreGood)
+{
+  EXPECT_EQ(MessageOf([] { (void)ParseGoToolsG2(G2); }), "no error");
+  EXPECT_EQ(MessageOf([] { (void)ParseMfemMesh(Mesh); }), "no error");
+  EXPECT_EQ(MessageOf([] { (void)ParseMfemMesh(MeshOfPatches); }), "no error");
+  EXPECT_EQ(MessageOf([] { (void)ParseGismoXml(Xml); }), "no error");
+}
+
+TEST(FormatErrors, G2NamesLineThingAndRemedy)
+{
+  const auto expect =
+    [](const std::string& from, const std::string& to, const std::vector<std::string>& parts)
+  { ExpectError([&] { (void)ParseGoToolsG2(Replaced(G2, from, to)); }, parts); };
+  expect("1 1 1 1\n", "1 1 1",
+    { "object 0 (SplineVolume)", "line 8", "room for at most 7", "cut short" });
+  expect(
+    "\n1 1 1 1\n", "\n1 1 1 1 7\n", { "line 16", "no GoTools class has the number 7", "sizes" });
+  expect("0 1 0 1", "0 x 0 1", { "line 11", "\"x\"", "a number, is expected" });
+  expect("0 1 0 1", "0 nan 0 1", { "line 11", "\"nan\"", "finite" });
+  expect("0 1 0 1", "0 1e999 0 1", { "line 11", "too large" });
+  expect("0 1 0 1", "0 1 0 0", { "weight 2 is 0", "must be positive" });
+  expect("0 1 0 1", "0 1 0 -1", { "weight 2 is -1", "must be positive" });
+  expect("0 0 1 1", "0 0 1 0.5", { "line 4", "direction u", "knots decrease at index 3" });
+  expect("2 2\n0 0 1 1", "4 2\n0 0 0.5 0.5 1 1",
+    { "line 4", "direction u", "multiplicity 2", "split the patch there" });
+  expect("2 2\n", "1000000000 2\n", { "line 3", "1000000002 knots", "room for at most" });
+  expect("2 2\n", "1000000000000 2\n", { "line 3", "number of control points", "1000000000000" });
+  expect("2 2\n", "99999999999999999999999 2\n", { "line 3", "9999999999" });
+  expect("2 2\n", "2 0\n", { "line 3", "order" });
+  expect("2 2\n", "2 40\n", { "line 3", "order", "1..32" });
+  expect("3 1\n", "4 1\n", { "line 2", "number of coordinates" });
+  expect("3 1\n", "3 2\n", { "line 2", "rational flag" });
+  expect("700 1 0 0", "701 1 0 0", { "line 1", "no GoTools class has the number 701" });
+  expect("700 1 0 0", "700 1 0 9999999", { "line 1", "9999999 auxiliary integers" });
+  ExpectError([] { (void)ParseGoToolsG2("793 1 0 0\n0 1e-10\n1 2 3\n"); },
+    { "no tensor-product spline", "1 LRSplineVolume (class 793)", "convert" });
+  ExpectError([] { (void)ParseGoToolsG2(""); }, { "no tensor-product spline" });
+}
+
+TEST(FormatErrors, MfemNamesLineThingAndRemedy)
+{
+  const auto expect =
+    [](const std::string& from, const std::string& to, const std::vector<std::string>& parts)
+  { ExpectError([&] { (void)ParseMfemMesh(Replaced(Mesh, from, to)); }, parts); };
+  expect("MFEM NURBS mesh v1.0", "MFEM mesh v1.0", { "line 1", "not a NURBS mesh", "mesh reader" });
+  expect("v1.0", "v1.1", { "line 1", "v1.1", "save it as v1.0" });
+  expect("mesh v1.0", "NC-patch mesh v1.0", { "line 1", "non-conforming", "v1.0" });
+  expect("dimension 3", "dimension 4", { "line 2", "dimension", "1..3" });
+  expect("1 5 0 1", "1 3 0 1", { "line 4", "element's type" });
+  expect("elements 1", "elements 1000000000000", { "line 3", "1000000000000 elements", "room" });
+  expect("elements 1\n1 5 0 1 2 3 4 5 6 7", "elements 0", { "line 3", "no elements" });
+  expect("0 1 2 3 4 5 6 7", "0 1 2 3 4 5 6 6", { "line 4", "vertex 6 twice" });
+  expect("0 1 2 3 4 5 6 7", "0 1 2 3 4 5 6 8", { "patch 0", "vertex 8" });
+  expect("2 3 7\n", "2 3 6\n", { "patch 0", "edge 3 - 7", "section edges" });
+  expect("2 3 7\n", "2 2 6\n", { "edge 2 - 6 is listed twice" });
+  expect("2 3 7\n", "1 3 7\n", { "patch 0", "direction w", "opposite edges" });
+  expect("2 3 7\n", "3 3 7\n", { "edge 3 - 7", "knot vector 3" });
+  expect("vertices 8", "vertices 2000000000", { "weights are announced", "room" });
+  expect("knotvectors 3\n1 2 0 0 1 1", "knotvectors 3\n1 2 0 0 1 0.5",
+    { "line 22", "knot vector 0", "knots decrease" });
+  expect("knotvectors 3\n1 2 ", "knotvectors 3\n1 2000000000 ", { "line 22", "2000000002 knots" });
+  expect("knotvectors 3\n1 2 ", "knotvectors 3\n0 2 ", { "line 22", "degree" });
+  expect("weights\n1 1", "weights\n1 0", { "line 26", "weights must be positive" });
+  expect("weights\n1 1", "weights\n1 inf", { "line 26", "\"inf\"", "finite" });
+  expect("weights\n", "autoweights\n", { "line 25", "\"autoweights\"", "\"weights\" is expected" });
+  expect("FiniteElementCollection: NURBS1", "FiniteElementCollection: H1_3D_P1",
+    { "line 28", "not NURBS" });
+  expect("FiniteElementCollection: NURBS1", "FiniteElementCollection: NURBS2",
+    { "line 28", "degree 1", "same space" });
+  expect("VDim: 3", "VDim: 4", { "line 29", "VDim" });
+  expect("1 1 1  0 1 1\n", "1 1 1  0 1\n", { "ends where a coordinate is expected", "cut short" });
+  expect("1 1 1  0 1 1\n", "1 1 1  0 1 1 5\n",
+    { "line 32", "\"5\" after the last control point", "counts" });
+  expect("knotvectors 3", "spacing 3", { "line 21", "\"spacing\"", "patches" });
+  ExpectError([] { (void)ParseMfemMesh(Mesh.substr(0, Mesh.find("FiniteElement"))); },
+    { "the file ends where \"FiniteElementSpace\" is expected", "cut short" });
+  ExpectError(
+    []
+    {
+      (void)ParseMfemMesh(Replaced(Replaced(Mesh, "elements 1", "elements 3"),
+        "1 5 0 1 2 3 4 5 6 7", "1 5 0 1 2 3 4 5 6 7 1 5 0 1 2 3 4 5 6 7 1 5 0 1 2 3 4 5 6 7"));
+    },
+    { "patch 2", "shared by more than two patches" });
+  ExpectError(
+    []
+    {
+      (void)ParseMfemMesh(
+        Replaced(Replaced(Replaced(Mesh, "vertices 8", "vertices 12"), "elements 1", "elements 2"),
+          "1 5 0 1 2 3 4 5 6 7", "1 5 0 1 2 3 4 5 6 7 1 5 0 2 1 3 8 9 10 11"));
+    },
+    { "patch 1", "does not go around the same face" });
+}
+
+TEST(FormatErrors, MfemPatchesNameLineThingAndRemedy)
+{
+  const auto expect =
+    [](const std::string& from, const std::string& to, const std::vector<std::string>& parts)
+  { ExpectError([&] { (void)ParseMfemMesh(Replaced(MeshOfPatches, from, to)); }, parts); };
+  expect("2 2 2", "2 2", { "ends where a coordinate is expected", "cut short" });
+  expect("2 2 2", "2 2 0", { "patch 0", "weight 1 is 0", "must be positive" });
+  expect("2 2 2", "2 2 -1", { "patch 0", "weight 1 is -1" });
+  expect("controlpoints", "points", { "line 12", "\"points\"", "controlpoints_cartesian" });
+  expect("controlpoints\n0 0 1\n2 2 2", "controlpoints_cartesian\n0 0 1\n2 2 0",
+    { "patch 0", "weight 1", "must be positive" });
+  expect("knotvectors 1", "knotvectors 2", { "line 9", "number of knot vectors" });
+  expect("1 2 0 0 1 1", "1 3 0 0 0 1 1", { "line 10", "patch 0, direction u", "multiplicity 3" });
+}
+
+TEST(FormatErrors, GismoNamesElementThingAndRemedy)
+{
+  const auto expect =
+    [](const std::string& from, const std::string& to, const std::vector<std::string>& parts)
+  { ExpectError([&] { (void)ParseGismoXml(Replaced(Xml, from, to)); }, parts); };
+  const std::string geometry = "line 5, <Geometry id=\"3\">";
+  ExpectError([] { (void)ParseGismoXml(Xml.substr(0, Xml.size() / 2)); },
+    { "line ", "not well-formed XML", "cut short" });
+  ExpectError([] { (void)ParseGismoXml("<VTKFile/>"); }, { "no element <xml>" });
+  ExpectError([] { (void)ParseGismoXml("<xml><Function/></xml>"); },
+    { "no tensor-product spline geometry, only 1 <Function>", "export" });
+  expect("TensorNurbs2\"", "THBSpline2\"", { geometry, "hierarchical spline (THBSpline2)" });
+  expect("TensorNurbs2\"", "TensorNurbs4\"", { "only 1 <Geometry type=\"TensorNurbs4\">" });
+  expect("TensorNurbs2\"", "TensorNurbs3\"", { geometry, "2 knot vectors where 3 are needed" });
+  expect("id=\"3\">", "id=\"x\">", { "line 5, <Geometry id=\"x\">", "the id" });
+  expect("index=\"1\"", "index=\"0\"", { "line 9", "index 0 is repeated" });
+  expect("index=\"1\"", "index=\"5\"", { "line 9", "index 5" });
+  expect("degree=\"1\"", "order=\"1\"", { "line 8", "degree is missing" });
+  expect("degree=\"1\"", "degree=\"99\"", { "line 8", "degree", "0..31" });
+  expect("0 0 2 2", "0 0 2 1", { "line 9, <KnotVector>, direction v", "knots decrease" });
+  expect("0 0 2 2", "0 0 1 1 2 2", { "line 9", "direction v", "multiplicity 2" });
+  expect("0 0 2 2", "0 0 2 nan", { "line 9", "\"nan\"", "finite" });
+  expect("0 0 2 2", "0 0 2 2/0", { "line 9", "\"2/0\"", "finite" });
+  expect("0 0 2 2", "0 0 2 zwei", { "line 9", "\"zwei\"" });
+  expect("<weights>1 1", "<weights>1 0", { geometry, "weight 1", "positive" });
+  expect("<weights>1 1", "<weights>1", { geometry, "3 weights for 4 control points" });
+  expect("<weights>1 1 1 1</weights>", "", { geometry, "no <weights>" });
+  expect("<weights>1 1 1 1<", "<weights><", { "line 11, <weights>", "empty" });
+  expect("0 0 1 0 0 1 1 1", "0 0 1 0 0 1 1", { "line 13, <coefs>", "7 numbers", "2 x 2 x 1" });
+  expect("geoDim=\"2\"", "geoDim=\"3\"", { "line 13, <coefs>", "8 numbers", "geoDim" });
+  expect(
+    "coefs geoDim", "coefs format=\"B64Int32\" geoDim", { "line 13", "\"B64Int32\"", "ASCII" });
+  expect("coefs geoDim", "coefs format=\"B64Float64\" geoDim", { "line 13", "multiple of 8" });
+  expect("<coefs geoDim=\"2\">0 0 1 0 0 1 1 1</coefs>", "", { geometry, "no <coefs>" });
+  expect("3 3<", "3 4<", { "line 3, <patches>", "more patches than" });
+  expect("3 3<", "0 999999999<", { "line 3, <patches>", "more patches than" });
+  expect("3 3<", "4 4<", { "line 3, <patches>", "no geometry of the file has the id 4" });
+  expect("id_range", "id_list", { "line 3, <patches>", "\"id_list\"", "id_index" });
+  expect("3 2 3 1 0 1", "3 2 3 1 0 0", { "line 4, <interfaces>", "8 each" });
+  expect("3 2 3 1 0 1", "3 2 5 1 0 1", { "line 4, <interfaces>", "existing patches" });
+  expect("3 3 3 4", "3 3 3 5", { "line 4, <boundary>", "patch 3 with side 5" });
+  expect("3 3 3 4", "3 3 3", { "line 4, <boundary>", "3 numbers" });
+}
+
+TEST(FormatErrors, AHugeCountIsRefusedBeforeMemoryIsTaken)
+{
+  // Each factor fits in the file, the product does not: 3 x 10^6 bytes announce 10^17 points.
+  std::string huge = "700 1 0 0\n3 0\n";
+  for (int d = 0; d < 3; ++d)
+  {
+    huge += "500000 2\n0 ";
+    for (int i = 0; i < 500000; ++i)
+    {
+      huge += std::to_string(i) + " ";
+    }
+    huge += "499999\n";
+  }
+  ExpectError([&] { (void)ParseGoToolsG2(huge); }, { "250000000000 control points", "room" });
+
+  // Short lists of numbers that many patches of a mesh share.
+  std::ostringstream mesh;
+  mesh << "MFEM NURBS mesh v1.0\ndimension 2\nelements 2000\n";
+  for (int i = 0; i < 2000; ++i)
+  {
+    mesh << "1 3 0 1 " << 2 * i + 2 << ' ' << 2 * i + 3 << '\n';
+  }
+  ExpectError([&] { (void)ParseMfemMesh(mesh.str() + "boundary 0 edges 0 vertices 9999\n"); },
+    { "patch 2", "shared by more than two patches" });
+}
+
+TEST(FormatErrors, ReadSplineFileBeginsWithTheFileName)
+{
+  const auto directory = std::filesystem::temp_directory_path();
+  const auto write = [&](const std::string& name, const std::string& text)
+  {
+    const std::string path = (directory / name).string();
+    std::ofstream(path, std::ios::binary) << text;
+    return path;
+  };
+  const std::vector<std::pair<std::string, std::string>> files{ { "", "the file is empty" },
+    { "\x1f\x8b\x08zzzz", "compressed" }, { "x,y,z\n1,2,3\n", "not a G+Smo XML file" },
+    { "MFEM mesh v1.0\n", "not a NURBS mesh" },
+    { Replaced(G2, "1 1 1 1\n", "1 1 1"), "object 0 (SplineVolume): line 8" } };
+  for (const auto& [text, expected] : files)
+  {
+    const std::string path = write("hyperpatch-format-error.txt", text);
+    const std::string message = MessageOf([&] { (void)ReadSplineFile(path); });
+    EXPECT_EQ(message.find(path + ": "), 0u) << message;
+    EXPECT_NE(message.find(expected), message.npos) << message;
+    std::filesystem::remove(path);
+  }
+  const std::string absent = (directory / "no-such-file.g2").string();
+  EXPECT_EQ(
+    MessageOf([&] { (void)ReadSplineFile(absent); }).find(absent + ": the file cannot be "), 0u);
+  EXPECT_NE(MessageOf([&] { (void)ReadSplineFile(directory.string()); }).find("cannot be read"),
+    std::string::npos);
+  const std::string good = write("hyperpatch-format-good.mesh", Mesh);
+  EXPECT_EQ(ReadSplineFile(good).Model.Patches.size(), 1u);
+  std::filesystem::remove(good);
+}
+
+TEST(FormatErrors, EveryTruncationAndMutationParsesOrIsAnError)
+{
+  std::vector<std::string> seeds{ G2, Mesh, MeshOfPatches, Xml };
+  for (const std::string name : { "gismo/fichera.xml", "gismo/linear_elasticity_example.xml",
+         "splinepy/gismo_indent_nolabels_ascii_3d.xml", "mfem/beam-hex-nurbs.mesh",
+         "mfem/two-cubes-nurbs.mesh", "mfem/pipe-nurbs.mesh", "splipy/cube-8-orient3.g2" })
+  {
+    std::ifstream file(models::RealFile(name), std::ios::binary);
+    if (file)
+    {
+      seeds.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+    }
+  }
+  const std::vector<std::string> numbers{ "0", "-1", "1e308", "-1e308", "1e-320", "nan", "inf",
+    "2147483647", "2147483648", "-2147483648", "9223372036854775807", "1000000000000", "1e999",
+    "0x10", "1/0", "3.5", "", " ", "#", "<", "\"", "&#0;", std::string(1, '\0') };
+  std::mt19937 random(20240607);
+  const auto below = [&random](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  std::size_t parsed = 0;
+  std::size_t refused = 0;
+  for (const std::string& seed : seeds)
+  {
+    for (int n = 0; n < 600; ++n)
+    {
+      std::string text = seed;
+      const std::size_t changes = 1 + below(3);
+      for (std::size_t c = 0; c < changes && !text.empty(); ++c)
+      {
+        const std::size_t at = below(text.size());
+        switch (below(5))
+        {
+          case 0:
+            text.resize(at);
+            break;
+          case 1:
+            text[at] = static_cast<char>(text[at] ^ 1 << below(8));
+            break;
+          case 2:
+          {
+            const std::size_t begin = text.find_first_of("0123456789", at);
+            if (begin != text.npos)
+            {
+              const std::size_t end = text.find_first_not_of("0123456789.", begin);
+              text.replace(
+                begin, end == text.npos ? end : end - begin, numbers[below(numbers.size())]);
+            }
+            break;
+          }
+          case 3:
+            text.erase(at, 1 + below(40));
+            break;
+          default:
+            text.insert(at, text.substr(below(text.size()), below(80)));
+            break;
+        }
+      }
+      const auto parse = seed[0] == '<' ? ParseGismoXml
+        : seed[0] == 'M'                ? ParseMfemMesh
+                                        : ParseGoToolsG2;
+      (void)SniffFormat(text);
+      try
+      {
+        (void)parse(text);
+        ++parsed;
+      }
+      catch (const Error& error)
+      {
+        ++refused;
+        ASSERT_STRNE(error.what(), "");
+        for (const char* c = error.what(); *c != '\0'; ++c)
+        {
+          ASSERT_TRUE(*c >= ' ' && *c <= '~') << error.what();
+        }
+      }
+      // Any other exception fails the test.
+    }
+  }
+  EXPECT_GT(parsed, 100u);
+  EXPECT_GT(refused, 500u);
+}
