@@ -7,6 +7,8 @@
 #include "vtkCommand.h"
 #include "vtkObjectFactory.h"
 
+#include <string>
+
 vtkStandardNewMacro(vtkNURBSSolidRepresentation);
 
 vtkNURBSSolidRepresentation::vtkNURBSSolidRepresentation()
@@ -52,4 +54,10 @@ void vtkNURBSSolidRepresentation::SetAttributeTolerance(double tolerance)
 double vtkNURBSSolidRepresentation::GetAttributeTolerance()
 {
   return this->GetTessellation()->GetAttributeTolerance();
+}
+
+void vtkNURBSSolidRepresentation::SetNormalArray(const char* name)
+{
+  const std::string chosen = name ? name : "";
+  this->Superclass::SetNormalArray(chosen.empty() || chosen == "None" ? "Normals" : name);
 }

@@ -32,6 +32,12 @@ public:
   double GetAttributeTolerance();
   ///@}
 
+  /**
+   * The array for smooth shading. None stands for the exact normals of the solid, which a property
+   * that looks at the input cannot offer; for flat shading there is Interpolation.
+   */
+  void SetNormalArray(const char* name) override;
+
 protected:
   vtkNURBSSolidRepresentation();
   ~vtkNURBSSolidRepresentation() override = default;
