@@ -82,11 +82,19 @@ void NURBSMeshOutput::Fill(vtkPointSet* output) const
   const auto coordinates = NewArray("Points", 3, n);
   const auto normals = NewArray("Normals", 3, n);
   const auto parameters = NewArray("ParametricCoordinates", 3, n);
+  bool haveNormals = true;
   vtkIdType at = 0;
   for (const PointBlock& block : this->Points)
   {
     std::copy_n(block.Points.data(), block.Points.size(), coordinates->GetPointer(3 * at));
-    std::copy_n(block.Normals.data(), block.Normals.size(), normals->GetPointer(3 * at));
+    if (block.Normals.cols() == block.Points.cols())
+    {
+      std::copy_n(block.Normals.data(), block.Normals.size(), normals->GetPointer(3 * at));
+    }
+    else
+    {
+      haveNormals = false;
+    }
     std::copy_n(block.Parameters.data(), block.Parameters.size(), parameters->GetPointer(3 * at));
     at += block.Points.cols();
   }
@@ -94,7 +102,10 @@ void NURBSMeshOutput::Fill(vtkPointSet* output) const
   points->SetDataTypeToDouble();
   points->SetData(coordinates);
   output->SetPoints(points);
-  output->GetPointData()->SetNormals(normals);
+  if (haveNormals)
+  {
+    output->GetPointData()->SetNormals(normals);
+  }
   output->GetPointData()->AddArray(parameters);
   for (const auto& [name, components] : this->Components)
   {

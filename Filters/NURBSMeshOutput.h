@@ -24,7 +24,9 @@ public:
   /// \param labels names of integer cell arrays beside PatchId and ElementId
   NURBSMeshOutput(std::map<std::string, int> components, std::vector<std::string> labels);
 
-  /// Adds points. \param attributes in the order of the patch's
+  /// Adds points.
+  /// \param normals one per point, or none at all: then the output has no array of normals
+  /// \param attributes in the order of the patch's
   void AddPoints(const hyperpatch::Patch& patch, const Eigen::Matrix3Xd& parameters,
     const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals,
     const std::vector<Eigen::MatrixXd>& attributes);

@@ -252,7 +252,13 @@ vtkNURBSAlgorithm::KernelParallelFor()
 {
   return [this](std::ptrdiff_t count, std::ptrdiff_t grain,
            const std::function<void(std::ptrdiff_t, std::ptrdiff_t)>& body)
-  { this->ParallelFor(count, grain, body); };
+  {
+    // How many loops the kernel runs is not known here: each gets a quarter of what is left.
+    const double end = this->ProgressEnd;
+    this->ProgressEnd = this->ProgressBegin + 0.25 * (end - this->ProgressBegin);
+    this->ParallelFor(count, grain, body);
+    this->SetProgressRange(this->ProgressEnd, end);
+  };
 }
 
 bool vtkNURBSAlgorithm::IsParallel() const

@@ -84,9 +84,7 @@ void vtkNURBSTessellate::Execute(const hyperpatch::MultiPatch& model, vtkDataObj
     const hyperpatch::SolidMesh& s = solids[i];
     if (solid && volume)
     {
-      // Hexahedra have no normals; the array is there for the lines and surfaces beside them.
-      mesh.AddPoints(
-        patch, s.Parameters, s.Points, Eigen::Matrix3Xd::Zero(3, s.Points.cols()), s.Attributes);
+      mesh.AddPoints(patch, s.Parameters, s.Points, Eigen::Matrix3Xd(), s.Attributes);
       mesh.AddCells(patch, s.Hexahedra, s.Elements, { { -1 } });
     }
     const hyperpatch::SurfaceMesh& b = surfaces[i];

@@ -66,6 +66,12 @@ struct Found
   std::vector<Cell> Wide; ///< undecided cells that are wider than the feature size
 };
 
+/// What two parameters must differ by to be told apart after a sum or product.
+double Resolution(double a, double b)
+{
+  return std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
+}
+
 Eigen::Vector3d ClosestOnSegment(
   const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double& t)
 {
@@ -533,16 +539,18 @@ bool ZeroSet::Worker::FindVertices()
   const bool finished = this->Parallel(count, Batch,
     [&](Index begin, Index end)
     {
-      // Bracketed roots along edges, all of a batch in step: Illinois' false position, with a
-      // bisection wherever it does not halve the bracket in three steps.
+      // Bracketed roots along edges, all of a batch in step: false position with Illinois' halved
+      // weights, and a bisection wherever it does not halve the bracket in three steps.
       struct Bracket
       {
         Index Vertex;
         int Axis;
         double Low, High, FLow, FHigh;
+        double WeightLow, WeightHigh; ///< Illinois: of an end that stays
         double Width;
         int Side, Steps;
       };
+      constexpr int Most = 4 * 64; // steps, should every bracket have to be bisected
       std::vector<Bracket> open;
       std::vector<double> parameters;
       std::vector<double> values;
@@ -561,29 +569,36 @@ bool ZeroSet::Worker::FindVertices()
           const int i = corner[static_cast<std::size_t>(axis)];
           const double low = this->Line(axis, i);
           const double high = this->Line(axis, i + 1);
-          open.push_back({ v, axis, low, high, crossing.Low, crossing.High, high - low, 0, 0 });
+          open.push_back(
+            { v, axis, low, high, crossing.Low, crossing.High, 1.0, 1.0, high - low, 0, 0 });
         }
       }
-      for (int iteration = 0; iteration < 100 && !open.empty(); ++iteration)
+      for (int iteration = 0; !open.empty(); ++iteration)
       {
         parameters.resize(3 * open.size());
         values.resize(open.size());
         for (std::size_t b = 0; b < open.size(); ++b)
         {
           Bracket& o = open[b];
-          double t = o.Low - o.FLow * (o.High - o.Low) / (o.FHigh - o.FLow);
+          const double low = o.WeightLow * o.FLow;
+          const double high = o.WeightHigh * o.FHigh;
+          double t = o.Low - low * (o.High - o.Low) / (high - low);
           if (o.Steps == 3)
           {
             o.Steps = 0;
             if (o.High - o.Low > 0.5 * o.Width)
             {
               t = 0.5 * (o.Low + o.High);
+              o.WeightLow = o.WeightHigh = 1.0;
               o.Side = 0;
             }
             o.Width = o.High - o.Low;
           }
           ++o.Steps;
-          t = t > o.Low && t < o.High ? t : 0.5 * (o.Low + o.High);
+          // Never closer to an end than it matters: so a root beside an end closes the bracket.
+          const double step = std::min(Resolution(o.Low, o.High), 0.5 * (o.High - o.Low));
+          t = t > o.Low + step ? t : o.Low + step;
+          t = t < o.High - step ? t : o.High - step;
           for (int d = 0; d < 3; ++d)
           {
             parameters[3 * b + static_cast<std::size_t>(d)] = this->Mesh.Parameters(d, o.Vertex);
@@ -601,22 +616,24 @@ bool ZeroSet::Worker::FindVertices()
           {
             o.High = t;
             o.FHigh = f;
-            o.FLow *= o.Side == 1 ? 0.5 : 1.0;
+            o.WeightHigh = 1.0;
+            o.WeightLow *= o.Side == 1 ? 0.5 : 1.0;
             o.Side = 1;
           }
           else
           {
             o.Low = t;
             o.FLow = f;
-            o.FHigh *= o.Side == -1 ? 0.5 : 1.0;
+            o.WeightLow = 1.0;
+            o.WeightHigh *= o.Side == -1 ? 0.5 : 1.0;
             o.Side = -1;
           }
-          const double ulp = 2.0 * std::numeric_limits<double>::epsilon() *
-            std::max(std::abs(o.Low), std::abs(o.High));
-          if (f == 0.0 || o.High - o.Low <= ulp || iteration == 99 || !std::isfinite(f))
+          if (f == 0.0 || o.High - o.Low <= 2.0 * Resolution(o.Low, o.High) || iteration == Most ||
+            !std::isfinite(f))
           {
-            this->Mesh.Parameters(o.Axis, o.Vertex) = t;
-            residual = std::max(residual, std::abs(f));
+            const bool low = std::abs(o.FLow) < std::abs(o.FHigh);
+            this->Mesh.Parameters(o.Axis, o.Vertex) = low ? o.Low : o.High;
+            residual = std::max(residual, std::abs(low ? o.FLow : o.FHigh));
           }
           else
           {
