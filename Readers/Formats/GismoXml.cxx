@@ -141,12 +141,27 @@ private:
       static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0)));
     return static_cast<std::size_t>(end - this->LineEnds.begin()) + 1;
   }
+  /// "<Geometry id="3">"
+  [[nodiscard]] static std::string Element(const pugi::xml_node& node)
+  {
+    const pugi::xml_attribute id = node.attribute("id");
+    return "<" + Printable(node.name()) + (id ? " id=" + Quote(id.value()) : std::string()) + ">";
+  }
   /// "line 12, <Geometry id="3">"
   [[nodiscard]] std::string Where(const pugi::xml_node& node) const
   {
-    const pugi::xml_attribute id = node.attribute("id");
-    return "line " + std::to_string(this->LineAt(node.offset_debug())) + ", <" +
-      Printable(node.name()) + (id ? " id=" + Quote(id.value()) : std::string()) + ">";
+    return "line " + std::to_string(this->LineAt(node.offset_debug())) + ", " + Element(node);
+  }
+  [[nodiscard]] long long Integer(
+    const pugi::xml_node& node, const char* attribute, const char* what, long long high) const
+  {
+    return WithContext([&] { return Element(node); },
+      [&]
+      {
+        return Scanner(
+          node.attribute(attribute).value(), this->LineAt(node.offset_debug()), "attribute")
+          .Integer(what, 0, high);
+      });
   }
   [[noreturn]] void Fail(const pugi::xml_node& node, const std::string& message) const
   {
@@ -216,10 +231,9 @@ FileContents XmlParser::Parse()
       continue;
     }
     Entry entry{ node, std::nullopt, kind };
-    if (const pugi::xml_attribute attribute = node.attribute("id"))
+    if (node.attribute("id"))
     {
-      WithContext([&] { return this->Where(node); },
-        [&] { entry.Id = Scanner(attribute.value()).Integer("the id", 0, MaxInt); });
+      entry.Id = this->Integer(node, "id", "the id", MaxInt);
     }
     entries.push_back(entry);
   }
@@ -313,7 +327,7 @@ std::vector<double> XmlParser::Numbers(const pugi::xml_node& node)
       encoded += child.value();
       continue;
     }
-    WithContext([&] { return this->Where(node); },
+    WithContext([&] { return Element(node); },
       [&]
       {
         Scanner scanner(child.value(), this->LineAt(child.offset_debug()), "element", '\0');
@@ -337,7 +351,7 @@ std::vector<long long> XmlParser::Integers(const pugi::xml_node& node)
   {
     if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata)
     {
-      WithContext([&] { return this->Where(node); },
+      WithContext([&] { return Element(node); },
         [&]
         {
           Scanner scanner(child.value(), this->LineAt(child.offset_debug()), "element", '\0');
@@ -358,18 +372,14 @@ KnotVector XmlParser::ReadKnots(const pugi::xml_node& basis, int direction)
   {
     this->Fail(basis, std::string("direction ") + "uvw"[direction] + " has no <KnotVector>");
   }
-  const pugi::xml_attribute attribute = node.attribute("degree");
-  if (!attribute)
+  if (!node.attribute("degree"))
   {
     this->Fail(node, "the attribute degree is missing");
   }
+  const auto degree = static_cast<int>(this->Integer(node, "degree", "the degree", MaxDegree));
   std::vector<double> knots = this->Numbers(node);
   return WithContext([&] { return this->Where(node) + ", direction " + "uvw"[direction]; },
-    [&]
-    {
-      const long long degree = Scanner(attribute.value()).Integer("the degree", 0, MaxDegree);
-      return KnotVector(static_cast<int>(degree), std::move(knots));
-    });
+    [&] { return KnotVector(degree, std::move(knots)); });
 }
 
 void XmlParser::ReadGeometry(const Entry& entry, int id)

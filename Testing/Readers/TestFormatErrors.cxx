@@ -6,7 +6,6 @@
 
 #include <fstream>
 #include <random>
-#include <sstream>
 
 using namespace hyperpatch;
 
@@ -254,7 +253,7 @@ TEST(FormatErrors, GismoNamesElementThingAndRemedy)
   expect("TensorNurbs2\"", "THBSpline2\"", { geometry, "hierarchical spline (THBSpline2)" });
   expect("TensorNurbs2\"", "TensorNurbs4\"", { "only 1 <Geometry type=\"TensorNurbs4\">" });
   expect("TensorNurbs2\"", "TensorNurbs3\"", { geometry, "2 knot vectors where 3 are needed" });
-  expect("id=\"3\">", "id=\"x\">", { "line 5, <Geometry id=\"x\">", "the id" });
+  expect("id=\"3\">", "id=\"x\">", { "<Geometry id=\"x\">: line 5", "the id" });
   expect("index=\"1\"", "index=\"0\"", { "line 9", "index 0 is repeated" });
   expect("index=\"1\"", "index=\"5\"", { "line 9", "index 5" });
   expect("degree=\"1\"", "order=\"1\"", { "line 8", "degree is missing" });
@@ -299,15 +298,20 @@ TEST(FormatErrors, AHugeCountIsRefusedBeforeMemoryIsTaken)
   }
   ExpectError([&] { (void)ParseGoToolsG2(huge); }, { "250000000000 control points", "room" });
 
-  // Short lists of numbers that many patches of a mesh share.
-  std::ostringstream mesh;
-  mesh << "MFEM NURBS mesh v1.0\ndimension 2\nelements 2000\n";
-  for (int i = 0; i < 2000; ++i)
+  // A mesh whose two knot vectors are there, but not the 9 x 10^6 control points.
+  std::string mesh = "MFEM NURBS mesh v1.0 dimension 2 elements 1 1 3 0 1 2 3 boundary 0 edges 4 "
+                     "0 0 1 1 1 2 0 3 2 1 0 3 vertices 4 knotvectors 2 ";
+  for (int d = 0; d < 2; ++d)
   {
-    mesh << "1 3 0 1 " << 2 * i + 2 << ' ' << 2 * i + 3 << '\n';
+    mesh += "1 3000 0 ";
+    for (int i = 0; i < 3000; ++i)
+    {
+      mesh += std::to_string(i) + " ";
+    }
+    mesh += "2999 ";
   }
-  ExpectError([&] { (void)ParseMfemMesh(mesh.str() + "boundary 0 edges 0 vertices 9999\n"); },
-    { "patch 2", "shared by more than two patches" });
+  ExpectError([&] { (void)ParseMfemMesh(mesh); },
+    { "patch 0", "more control points than a file of this size can hold" });
 }
 
 TEST(FormatErrors, ReadSplineFileBeginsWithTheFileName)
