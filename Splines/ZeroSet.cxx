@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <numeric>
 #include <utility>
 
 namespace hyperpatch
@@ -124,6 +125,8 @@ private:
   void MakeCells();
   void Triangulate(const std::vector<Index>& ring, const std::vector<CellEdge>& edges,
     std::vector<std::array<Index, 3>>& triangles) const;
+  /// Where the surface only touches a corner there is a vertex but no cell.
+  void DropUnusedPoints();
   bool MeasureErrors();
   void MeasureCells(Index begin, Index end, ZeroSetCertificate& certificate,
     std::array<std::vector<int>, 3>& wanted) const;
@@ -1030,13 +1033,28 @@ void ZeroSet::Worker::MeasureCells(Index begin, Index end, ZeroSetCertificate& c
       p.head(m) = exact.col(q);
       const auto corner = [&](int k)
       { return Eigen::Vector3d(this->Mesh.Points.col(this->Mesh.Cells(k % axes, c))); };
+      // Nearest point of the edge that the sample belongs to; of any edge in a sliver, whose plane
+      // says nothing; of the triangle's plane otherwise, unless the mesh ends or bends at the edge.
       Eigen::Vector3d weights = Eigen::Vector3d::Zero();
-      double t = 0.0;
-      const Eigen::Vector3d onEdge = ClosestOnSegment(p, corner(s), corner(s + 1), t);
-      double error = (p - onEdge).norm();
-      weights[s % axes] += 1.0 - t;
-      weights[(s + 1) % axes] += t;
-      if (axes == 3)
+      double error = INFINITY;
+      const auto tryEdge = [&](int k)
+      {
+        double t = 0.0;
+        const double distance = (p - ClosestOnSegment(p, corner(k), corner(k + 1), t)).norm();
+        if (distance < error)
+        {
+          error = distance;
+          weights.setZero();
+          weights[k % axes] += 1.0 - t;
+          weights[(k + 1) % axes] += t;
+        }
+      };
+      const bool atCrease = onCrease[static_cast<std::size_t>(q)] != 0;
+      if (axes == 2 || atCrease)
+      {
+        tryEdge(s);
+      }
+      else
       {
         const Eigen::Vector3d e1 = corner(1) - corner(0);
         const Eigen::Vector3d e2 = corner(2) - corner(0);
@@ -1044,14 +1062,19 @@ void ZeroSet::Worker::MeasureCells(Index begin, Index end, ZeroSetCertificate& c
         const double square = normal.squaredNorm();
         const double longest =
           std::max({ e1.squaredNorm(), e2.squaredNorm(), (e2 - e1).squaredNorm() });
-        // The plane of a sliver says nothing; its edges do.
-        if (square > 1e-12 * longest * longest && !onCrease[static_cast<std::size_t>(q)])
+        if (square > 1e-12 * longest * longest)
         {
           const Eigen::Vector3d r = p - corner(0);
           error = std::abs(r.dot(normal)) / std::sqrt(square);
           weights[1] = r.cross(e2).dot(normal) / square;
           weights[2] = e1.cross(r).dot(normal) / square;
           weights[0] = 1.0 - weights[1] - weights[2];
+        }
+        else
+        {
+          tryEdge(0);
+          tryEdge(1);
+          tryEdge(2);
         }
       }
       certificate.LargestError = std::max(certificate.LargestError, error);
@@ -1079,6 +1102,44 @@ void ZeroSet::Worker::MeasureCells(Index begin, Index end, ZeroSetCertificate& c
       this->Want(this->CellOfPiece[static_cast<std::size_t>(c)], 1.05 * std::sqrt(worst), wanted,
         certificate.ToleranceReached);
     }
+  }
+}
+
+void ZeroSet::Worker::DropUnusedPoints()
+{
+  std::vector<Index> place(static_cast<std::size_t>(this->Mesh.Points.cols()), -1);
+  for (Index i = 0; i < this->Mesh.Cells.size(); ++i)
+  {
+    place[static_cast<std::size_t>(this->Mesh.Cells.data()[i])] = 0;
+  }
+  Index count = 0;
+  for (std::size_t v = 0; v < place.size(); ++v)
+  {
+    if (place[v] < 0)
+    {
+      continue;
+    }
+    const auto from = static_cast<Index>(v);
+    this->Mesh.Parameters.col(count) = this->Mesh.Parameters.col(from);
+    this->Mesh.Points.col(count) = this->Mesh.Points.col(from);
+    this->Mesh.Normals.col(count) = this->Mesh.Normals.col(from);
+    for (Eigen::MatrixXd& values : this->Mesh.Attributes)
+    {
+      values.col(count) = values.col(from);
+    }
+    place[v] = count++;
+  }
+  this->Mesh.Parameters.conservativeResize(3, count);
+  this->Mesh.Points.conservativeResize(3, count);
+  this->Mesh.Normals.conservativeResize(3, count);
+  for (Eigen::MatrixXd& values : this->Mesh.Attributes)
+  {
+    values.conservativeResize(values.rows(), count);
+  }
+  for (Index i = 0; i < this->Mesh.Cells.size(); ++i)
+  {
+    Index& v = this->Mesh.Cells.data()[i];
+    v = place[static_cast<std::size_t>(v)];
   }
 }
 
@@ -1118,7 +1179,28 @@ bool ZeroSet::Worker::Extract()
     return false;
   }
   this->MakeCells();
-  return this->MeasureErrors();
+  this->DropUnusedPoints();
+  if (!this->MeasureErrors())
+  {
+    return false;
+  }
+  // Where the surface is not smooth no refinement helps: stop before memory does.
+  double growth = 1.0;
+  for (int d : this->Axes)
+  {
+    const auto D = static_cast<std::size_t>(d);
+    const auto sum = [](const std::vector<int>& counts)
+    { return std::accumulate(counts.begin(), counts.end(), 0.0); };
+    growth *= sum(this->Wanted[D]) / sum(this->Grid.Counts[D]);
+  }
+  const double surface = std::pow(growth, 1.0 - 1.0 / static_cast<double>(this->Axes.size()));
+  if (static_cast<double>(this->Crossed.size()) * surface > this->Options.MaximumCells &&
+    this->Wanted != this->Grid.Counts)
+  {
+    this->Wanted = this->Grid.Counts;
+    this->Certificate.ToleranceReached = false;
+  }
+  return true;
 }
 
 //------------------------------------------------------------------------------------------------

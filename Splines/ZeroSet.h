@@ -29,6 +29,8 @@ struct ZeroSetOptions
   double FeatureSize = 0.0;
   /// A knot span is divided at most into so many cells in each direction.
   int MaximumSubdivision = 256;
+  /// No refinement that would give about more crossed cells than this.
+  double MaximumCells = 1e6;
   /// +1 or -1: the sign of det J of the patch, which orients normals and cells.
   int Handedness = 1;
   ParallelFor For = SerialFor;
@@ -45,7 +47,7 @@ struct ZeroSetCertificate
   double LargestResidual = 0.0;    ///< of |f| at vertices over the largest |f| at cell corners
   double LargestError = 0.0;       ///< physical distance, measured at midpoints of edges and cells
   double LargestAttributeError = 0.0; ///< as a multiple of its tolerance
-  bool ToleranceReached = true;       ///< false where MaximumSubdivision stopped refinement
+  bool ToleranceReached = true;       ///< false where a maximum stopped refinement
 
   /// The certificate of both meshes together.
   void Add(const ZeroSetCertificate& other);
