@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The representation NURBS Solid, as the user sees it."""
+import unittest
+
+import common
+import numpy
+from paraview import simple
+
+
+class NURBSSolid(unittest.TestCase):
+    def setUp(self):
+        self.model = common.open_file(common.PIPE)
+        self.view = common.view()
+        self.display = simple.Show(self.model, self.view)
+        self.view.CameraPosition = [-2.0, -1.2, 1.6]
+        self.view.ResetCamera(True)
+
+    def tearDown(self):
+        simple.Delete(self.view)
+
+    def drawn(self, array):
+        """Range of an array of what is drawn."""
+        information = self.display.SMProxy.GetRepresentedDataInformation()
+        return information.GetArrayInformation(array, 0).GetComponentRange(0)
+
+    def test_a_file_is_shown_as_the_solid_and_not_as_its_lattice(self):
+        self.assertEqual(self.display.Representation, 'NURBS Solid')
+        solid = common.silhouette(self.view)
+        self.display.Representation = 'Surface'
+        lattice = common.silhouette(self.view)
+        simple.Hide(self.model, self.view)
+        surface = simple.NURBSTessellate(Input=self.model)
+        display = simple.Show(surface, self.view)
+        display.Representation = 'Surface'
+        exact = common.silhouette(self.view)
+        self.assertGreater(exact.sum(), 5000)
+        self.assertEqual((solid != exact).sum(), 0)
+        self.assertGreater((lattice != exact).sum(), 500)
+
+    def test_shading_is_that_of_the_exact_normals(self):
+        simple.ColorBy(self.display, ('POINTS', None))
+        solid = common.pixels(self.view)
+        simple.Hide(self.model, self.view)
+        display = simple.Show(simple.NURBSTessellate(Input=self.model), self.view)
+        simple.ColorBy(display, ('POINTS', None))
+        self.assertEqual((solid != common.pixels(self.view)).sum(), 0)
+
+    def test_every_attribute_colours_at_once(self):
+        for name in ('Displacement', 'Temperature'):
+            simple.ColorBy(self.display, ('POINTS', name))
+            picture = common.pixels(self.view)
+            self.assertGreater(len(numpy.unique(picture.reshape(-1, 3), axis=0)), 1000, name)
+
+    def test_colours_span_the_values_drawn_and_not_the_coefficients(self):
+        # Nothing has been rendered yet.
+        simple.ColorBy(self.display, ('POINTS', 'Temperature'))
+        self.display.RescaleTransferFunctionToDataRange(False, True)
+        colors = simple.GetColorTransferFunction('Temperature').RGBPoints
+        self.assertEqual((colors[0], colors[-4]), self.drawn('Temperature'))
+        low, high = self.model.PointData['Temperature'].GetRange()
+        self.assertLess(colors[-4], high - 0.1 * (high - low))
+
+    def test_a_tolerance_refines_what_is_drawn(self):
+        cells = []
+        for tolerance in (1e-2, 1e-5):
+            self.display.SolidTolerance = tolerance
+            self.view.Update()
+            information = self.display.SMProxy.GetRepresentedDataInformation()
+            cells.append(information.GetNumberOfCells())
+        self.assertLess(4 * cells[0], cells[1])
+
+    def test_other_data_is_shown_as_it_is(self):
+        simple.Hide(self.model, self.view)
+        wavelet = simple.Wavelet()
+        grid = simple.AppendDatasets(Input=wavelet)
+        display = simple.Show(grid, self.view)
+        simple.ResetCamera(self.view)
+        pictures = []
+        for style in ('Surface', 'NURBS Solid'):
+            display.Representation = style
+            pictures.append(common.pixels(self.view))
+        self.assertEqual((pictures[0] != pictures[1]).sum(), 0)
+        self.assertGreater((pictures[0] != 255).sum(), 5000)
+
+    def test_a_changed_lattice_gives_an_error_and_an_empty_picture(self):
+        changed = simple.PassArrays(Input=self.model, PointDataArrays=['Displacement'])
+        simple.Hide(self.model, self.view)
+        display = simple.Show(changed, self.view)
+        display.Representation = 'NURBS Solid'
+        with common.messages() as texts:
+            empty = common.silhouette(self.view)
+        self.assertEqual(len(texts), 1, texts)
+        self.assertIn('Weight', texts[0])
+        self.assertEqual(empty.sum(), 0)
+
+
+if __name__ == '__main__':
+    unittest.main()

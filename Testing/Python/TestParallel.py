@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Three processes draw the surface that one draws; an error arrives once and stops nobody."""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import common
+import numpy
+from paraview import simple
+
+FILTERS = ('tessellate', 'slice', 'contour', 'boundary')
+
+
+def rank():
+    """What every process of the parallel run does: saves its part of each surface."""
+    from mpi4py import MPI
+    folder, file = sys.argv[1:]
+    number, ranks = MPI.COMM_WORLD.rank, MPI.COMM_WORLD.size
+    model = common.open_file(file)
+    scalar = common.ATTRIBUTE if common.ATTRIBUTE in model.PointData.keys() else None
+    if scalar is None:
+        model = simple.Calculator(Input=model, Function='coordsX+coordsY', ResultArrayName='Sum')
+        model.UpdatePipeline()
+        scalar = 'Sum'
+    for name, proxy in common.four_filters(model, scalar).items():
+        data = proxy.GetClientSideObject().GetOutputDataObject(0)
+        corners = common.cell_corners(data) if data.GetNumberOfCells() else numpy.zeros((0, 3, 3))
+        numpy.save(os.path.join(folder, f'{name}-{ranks}-{number}.npy'), corners)
+    broken = simple.NURBSSlice(Input=simple.PassArrays(Input=model, PointDataArrays=[scalar]))
+    broken.UpdatePipeline()
+    assert broken.GetDataInformation().GetNumberOfCells() == 0
+    print('reached the end')
+
+
+def run(folder, ranks, file):
+    """Runs rank() in that many processes; returns all that they print."""
+    command = ['mpirun', '--allow-run-as-root', '--oversubscribe', '-np', str(ranks),
+               common.PVBATCH, '--symmetric', os.path.abspath(__file__), folder, file]
+    environment = dict(os.environ, VTK_SMP_MAX_THREADS='1', OMPI_MCA_rmaps_base_oversubscribe='1')
+    done = subprocess.run(command, env=environment, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, timeout=200, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+def surface(folder, name, ranks):
+    """Triangles of all processes, corners and triangles in an order that round-off leaves alone."""
+    corners = numpy.concatenate([numpy.load(os.path.join(folder, f'{name}-{ranks}-{number}.npy'))
+                                 for number in range(ranks)])
+    keys = numpy.round(corners, 7) + 0.0
+    order = numpy.lexsort(keys.transpose(2, 0, 1), axis=1)
+    corners = numpy.take_along_axis(corners, order[:, :, None], axis=1)
+    keys = numpy.round(corners, 7).reshape(len(corners), 9) + 0.0
+    return corners[numpy.lexsort(keys.T)]
+
+
+@unittest.skipUnless(shutil.which('mpirun'), 'mpirun is not here')
+class Parallel(unittest.TestCase):
+    def assert_same(self, file):
+        with tempfile.TemporaryDirectory() as folder:
+            for ranks in (1, 3):
+                output = run(folder, ranks, file)
+                self.assertEqual(output.count('reached the end'), ranks, output)
+                self.assertEqual(output.count('has no point data array Weight'), 1, output)
+            for name in FILTERS:
+                one, three = (surface(folder, name, ranks) for ranks in (1, 3))
+                self.assertGreater(len(one), 0, name)
+                self.assertEqual(one.shape, three.shape, name)
+                # The restriction of a spline to a piece changes its values by round-off.
+                self.assertLess(abs(one - three).max(), 1e-10 * abs(one).max(), name)
+
+    def test_one_patch_on_three_ranks(self):
+        self.assert_same(common.PIPE)
+
+    def test_two_patches_on_three_ranks(self):
+        self.assert_same(os.path.join(common.DATA, 'tube_on_block.xml'))
+
+
+if __name__ == '__main__':
+    if len(sys.argv) == 3:
+        rank()
+    else:
+        unittest.main()

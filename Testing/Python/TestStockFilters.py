@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""ParaView's own filters on a control lattice: which are exact, and which are wrong and say so."""
+import unittest
+
+import common
+import numpy
+from paraview import simple
+
+EPSILON = numpy.finfo(float).eps
+
+
+def cut(model, origin=(1.7, 1.7, 0.0), normal=(0.0, 1.0, 0.0)):
+    """A slice, fetched. The plane is away from folds of the sample."""
+    proxy = simple.NURBSSlice(Input=model)
+    proxy.SliceType.Origin = origin
+    proxy.SliceType.Normal = normal
+    return common.fetch(proxy)
+
+
+class StockFilters(unittest.TestCase):
+    def setUp(self):
+        self.model = common.open_file(common.PIPE)
+
+    def test_transform_then_slice_is_slice_then_transform(self):
+        def turned(proxy):
+            # By a right angle, after which the tolerance is still the same length.
+            result = simple.Transform(Input=proxy)
+            result.Transform.Rotate = [0, 0, 90]
+            result.Transform.Translate = [1, 2, 3]
+            return result
+
+        first = cut(turned(self.model), (-0.7, 3.7, 3.0), (0, 1, 0))
+        plane = simple.NURBSSlice(Input=self.model)
+        plane.SliceType.Origin = [1.7, 1.7, 0]
+        plane.SliceType.Normal = [1, 0, 0]
+        last = common.fetch(turned(plane))
+        a, b = common.points(first), common.points(last)
+        self.assertEqual(a.shape, b.shape)
+        self.assertGreater(len(a), 100)
+        # Points are polished onto the plane to 1e-12 of the model's size in both.
+        self.assertLess(abs(a - b).max(), 2e-12 * abs(a).max())
+        a, b = (common.point_array(data, 'Temperature') for data in (first, last))
+        self.assertLess(abs(a - b).max(), 1e-10 * abs(a).max())
+
+    def test_affine_calculator_is_exact(self):
+        # A few roundings of coefficients and of the rational evaluation.
+        scale = 64 * EPSILON
+        data = cut(simple.Calculator(Input=self.model, Function='coordsX-2*coordsY+3'))
+        x = common.points(data)
+        expected = x[:, 0] - 2 * x[:, 1] + 3
+        self.assertLess(abs(common.point_array(data, 'Result') - expected).max(), 10 * scale)
+        for function, array in (('2*Temperature+1', 'Temperature'),
+                                ('2*Displacement_X+1', 'Displacement')):
+            data = cut(simple.Calculator(Input=self.model, Function=function))
+            values = common.point_array(data, array)
+            expected = 2 * (values if values.ndim == 1 else values[:, 0]) + 1
+            self.assertLess(abs(common.point_array(data, 'Result') - expected).max(),
+                            scale * abs(expected).max(), function)
+
+    def test_extract_block_is_exact(self):
+        data = cut(simple.ExtractBlock(Input=self.model, Selectors=['/Root/Geometry']))
+        whole = cut(self.model)
+        self.assertIsNone(data.GetPointData().GetArray('Temperature'))
+        # Without the temperature less refinement is needed; the area stays to the tolerance.
+        areas = []
+        for corners in (common.cell_corners(data), common.cell_corners(whole)):
+            normals = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            areas.append(0.5 * numpy.linalg.norm(normals, axis=1).sum())
+        self.assertLess(abs(areas[0] - areas[1]), 0.01 * areas[1])
+
+    def test_a_changed_lattice_gives_one_error_and_no_output(self):
+        s, model = simple, self.model
+        subset = s.ExtractSubset(Input=model)
+        subset.VOI = [0, 2, 0, 4, 0, 4]
+        changed = {
+            'Extract Subset': (subset, 'use NURBS Refine'),
+            'Threshold': (s.Threshold(Input=model, Scalars=['POINTS', 'Weight'],
+                                      LowerThreshold=0, UpperThreshold=10), 'use NURBS Refine'),
+            'Clip': (s.Clip(Input=model), 'use NURBS Refine'),
+            'Tetrahedralize': (s.Tetrahedralize(Input=model), 'use NURBS Refine'),
+            'Extract Surface': (s.ExtractSurface(Input=model), 'use NURBS Refine'),
+            'Merge Blocks': (s.MergeBlocks(Input=model), 'use NURBS Refine'),
+            'Pass Arrays': (s.PassArrays(Input=model, PointDataArrays=['Displacement']), 'Weight'),
+            'Point Data to Cell Data': (s.PointDatatoCellData(Input=model), 'Weight'),
+            'Extract Block': (s.ExtractBlock(Input=model, Selectors=['/Root/Temperature']),
+                              'no geometry'),
+            'Slice': (s.Slice(Input=model), 'no control lattice'),
+        }
+        for name, (proxy, expected) in changed.items():
+            proxy.UpdatePipeline()
+            with common.messages() as texts:
+                data = cut(proxy)
+            self.assertEqual(len(texts), 1, (name, texts))
+            self.assertIn(expected, texts[0], name)
+            self.assertEqual(data.GetNumberOfPoints(), 0, name)
+
+
+if __name__ == '__main__':
+    unittest.main()

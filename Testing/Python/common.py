@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the pvpython tests share: the plugin, the sample files, and ways to look at results."""
+import contextlib
+import os
+import tempfile
+
+from paraview import servermanager, simple
+from paraview.vtk.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
+from vtkmodules.vtkIOImage import vtkPNGReader
+
+DATA = os.environ['HYPERPATCH_DATA']
+SHARED = os.environ.get('HYPERPATCH_SHARED_DATA', '')
+PVPYTHON = os.environ.get('PVPYTHON', 'pvpython')
+PVBATCH = os.environ.get('PVBATCH', 'pvbatch')
+# A rational volume with a scalar attribute in a basis of its own.
+PIPE = os.path.join(DATA, 'heated_pipe_bend.vtpc')
+ATTRIBUTE = 'Temperature'
+# A volume that is folded over itself.
+FOLDED = os.path.join(DATA, 'folded_sweep.xml')
+
+simple.LoadPlugin(os.environ['HYPERPATCH_PLUGIN'], remote=False)
+
+
+def open_file(path):
+    """The reader of a file, as File > Open makes it, updated."""
+    reader = simple.OpenDataFile(path)
+    reader.UpdatePipeline()
+    return reader
+
+
+def four_filters(model, attribute):
+    """Tessellation, slice, isosurface and Jacobian boundary of a model, updated."""
+    low, high = model.PointData[attribute].GetRange()
+    filters = {
+        'tessellate': simple.NURBSTessellate(Input=model),
+        'slice': simple.NURBSSlice(Input=model),
+        'contour': simple.NURBSContour(Input=model, ContourBy=['POINTS', attribute],
+                                       Isosurfaces=[0.5 * (low + high)]),
+        'boundary': simple.NURBSJacobianBoundary(Input=model),
+    }
+    for proxy in filters.values():
+        proxy.UpdatePipeline()
+    return filters
+
+
+def fetch(proxy):
+    return servermanager.Fetch(proxy)
+
+
+def points(data):
+    return vtk_to_numpy(data.GetPoints().GetData())
+
+
+def point_array(data, name):
+    return vtk_to_numpy(data.GetPointData().GetArray(name))
+
+
+def cell_corners(data):
+    """Coordinates of the corners of each triangle: n x 3 x 3."""
+    return points(data)[vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3)]
+
+
+@contextlib.contextmanager
+def messages():
+    """Catches errors and warnings; the list has one text each when the block is left.
+
+    What the pipeline adds to an error of an algorithm ("returned failure for request") is no
+    message of its own.
+    """
+    caught = []
+    window = vtkStringOutputWindow()
+    before = vtkOutputWindow.GetInstance()
+    vtkOutputWindow.SetInstance(window)
+    try:
+        yield caught
+    finally:
+        vtkOutputWindow.SetInstance(before)
+        for text in window.GetOutput().replace('Warning: In', 'ERROR: In').split('ERROR: In')[1:]:
+            if 'returned failure for request' not in text:
+                caught.append(text.strip())
+
+
+def view(size=(400, 300)):
+    """A new render view without decorations on white."""
+    result = simple.CreateView('RenderView')
+    result.ViewSize = size
+    result.OrientationAxesVisibility = 0
+    result.UseColorPaletteForBackground = 0
+    result.Background = [1, 1, 1]
+    return result
+
+
+def pixels(render_view):
+    """The rendered picture: height x width x 3."""
+    with tempfile.TemporaryDirectory() as folder:
+        name = os.path.join(folder, 'picture.png')
+        simple.SaveScreenshot(name, render_view, ImageResolution=render_view.ViewSize)
+        reader = vtkPNGReader()
+        reader.SetFileName(name)
+        reader.Update()
+        image = reader.GetOutput()
+    columns, rows, _ = image.GetDimensions()
+    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, -1)[:, :, :3]
+
+
+def silhouette(render_view):
+    """Which pixels are not background: height x width."""
+    return (pixels(render_view) != 255).any(axis=2)
