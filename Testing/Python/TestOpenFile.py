@@ -53,7 +53,8 @@ class OpenFile(unittest.TestCase):
 
     def test_filters_carry_all_arrays(self):
         model = common.open_file(common.PIPE)
-        for name, proxy in common.four_filters(model, common.ATTRIBUTE).items():
+        for name, proxy in common.four_filters(
+                model, common.ATTRIBUTE, common.ISOVALUE, common.ORIGIN).items():
             data = common.fetch(proxy)
             self.assertGreater(data.GetNumberOfCells(), 0, name)
             for array in ('Displacement', 'Temperature', 'Normals', 'ParametricCoordinates'):

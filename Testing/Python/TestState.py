@@ -35,7 +35,8 @@ def restore(folder):
 class State(unittest.TestCase):
     def test_a_state_comes_back_in_a_fresh_process(self):
         model = common.open_file(common.PIPE)
-        filters = common.four_filters(model, common.ATTRIBUTE)
+        filters = common.four_filters(
+            model, common.ATTRIBUTE, common.ISOVALUE, common.ORIGIN)
         filters['slice'].SliceType.Normal = [0.0, 1.0, 0.0]
         filters['slice'].SliceOffsetValues = [-0.1, 0.3]
         filters['tessellate'].MeshType = 'Solid'

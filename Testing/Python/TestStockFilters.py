@@ -9,8 +9,8 @@ from paraview import simple
 EPSILON = numpy.finfo(float).eps
 
 
-def cut(model, origin=(1.7, 1.7, 0.0), normal=(0.0, 1.0, 0.0)):
-    """A slice, fetched. The plane is away from folds of the sample."""
+def cut(model, origin=common.ORIGIN, normal=(0.0, 1.0, 0.0)):
+    """A slice, fetched."""
     proxy = simple.NURBSSlice(Input=model)
     proxy.SliceType.Origin = origin
     proxy.SliceType.Normal = normal
@@ -31,7 +31,7 @@ class StockFilters(unittest.TestCase):
 
         first = cut(turned(self.model), (-0.7, 3.7, 3.0), (0, 1, 0))
         plane = simple.NURBSSlice(Input=self.model)
-        plane.SliceType.Origin = [1.7, 1.7, 0]
+        plane.SliceType.Origin = common.ORIGIN
         plane.SliceType.Normal = [1, 0, 0]
         last = common.fetch(turned(plane))
         a, b = common.points(first), common.points(last)

@@ -16,8 +16,9 @@ PVBATCH = os.environ.get('PVBATCH', 'pvbatch')
 # A rational volume with a scalar attribute in a basis of its own.
 PIPE = os.path.join(DATA, 'heated_pipe_bend.vtpc')
 ATTRIBUTE = 'Temperature'
-# A volume that is folded over itself.
-FOLDED = os.path.join(DATA, 'folded_sweep.xml')
+# Arguments of four_filters for it: an isovalue, and a point whose slices are away from the fold.
+ISOVALUE = 100.0
+ORIGIN = [1.7, 1.7, 0.0]
 
 simple.LoadPlugin(os.environ['HYPERPATCH_PLUGIN'], remote=False)
 
@@ -29,16 +30,16 @@ def open_file(path):
     return reader
 
 
-def four_filters(model, attribute):
+def four_filters(model, attribute, value, origin):
     """Tessellation, slice, isosurface and Jacobian boundary of a model, updated."""
-    low, high = model.PointData[attribute].GetRange()
     filters = {
         'tessellate': simple.NURBSTessellate(Input=model),
         'slice': simple.NURBSSlice(Input=model),
         'contour': simple.NURBSContour(Input=model, ContourBy=['POINTS', attribute],
-                                       Isosurfaces=[0.5 * (low + high)]),
+                                       Isosurfaces=[value]),
         'boundary': simple.NURBSJacobianBoundary(Input=model),
     }
+    filters['slice'].SliceType.Origin = origin
     for proxy in filters.values():
         proxy.UpdatePipeline()
     return filters
