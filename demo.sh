@@ -14,4 +14,6 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
   cmake --preset default
   cmake --build --preset default
 )
-xvfb-run -a pvpython "$root/Examples/demo.py" --output "$root/build/demo" "$@" </dev/null
+# pvpython connects more than once, and a server that resets in between may refuse it.
+xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" \
+  pvpython "$root/Examples/demo.py" --output "$root/build/demo" "$@" </dev/null

@@ -107,9 +107,10 @@ show_glass(views[2])
 sheet = NURBSJacobianBoundary(Input=model, Faces=0)
 faces = NURBSJacobianBoundary(Input=model, Sheet=0)
 sheet.UpdatePipeline()
-if sheet.GetDataInformation().GetNumberOfCells() == 0:
+if sheet.GetDataInformation().GetNumberOfCells() > 0:
+    show(sheet, views[3])
+else:
     print('The Jacobian determinant vanishes nowhere: the boundary is that of the patches.')
-show(sheet, views[3])
 show(faces, views[3], Opacity=0.15)
 
 for view in views:
@@ -117,7 +118,7 @@ for view in views:
     view.CameraFocalPoint = [0, 0, 0]
     view.CameraViewUp = [0, 0, 1]
     view.ResetCamera(True)
-    view.GetActiveCamera().Zoom(1.3)
+    view.GetActiveCamera().Zoom(1.1)
 for name, picture in zip(('solid', 'slices', 'isosurfaces', 'boundary', 'overview'),
                          views + [layout]):
     path = os.path.join(arguments.output, name + '.png')
