@@ -28,7 +28,7 @@ class VTKNURBSREPRESENTATION_EXPORT vtkNURBSGeometryFilter : public vtkPVGeometr
 {
 public:
   static vtkNURBSGeometryFilter* New();
-  vtkTypeMacro(vtkNURBSGeometryFilter, vtkPVGeometryFilter);
+  vtkTypeMacro(vtkNURBSGeometryFilter, vtkPVGeometryFilter)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /// Holds the tolerances.

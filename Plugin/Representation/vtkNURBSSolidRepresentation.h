@@ -19,7 +19,7 @@ class VTKNURBSREPRESENTATION_EXPORT vtkNURBSSolidRepresentation
 {
 public:
   static vtkNURBSSolidRepresentation* New();
-  vtkTypeMacro(vtkNURBSSolidRepresentation, vtkGeometryRepresentationWithFaces);
+  vtkTypeMacro(vtkNURBSSolidRepresentation, vtkGeometryRepresentationWithFaces)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{

@@ -18,7 +18,7 @@ class VTKNURBSREPRESENTATION_EXPORT vtkSMNURBSRepresentationProxy
 {
 public:
   static vtkSMNURBSRepresentationProxy* New();
-  vtkTypeMacro(vtkSMNURBSRepresentationProxy, vtkSMPVRepresentationProxy);
+  vtkTypeMacro(vtkSMNURBSRepresentationProxy, vtkSMPVRepresentationProxy)
 
   vtkPVArrayInformation* GetArrayInformationForColorArray(
     bool checkRepresentedData = true) override;
