@@ -9,6 +9,7 @@
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataObjectTypes.h"
+#include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
@@ -122,6 +123,7 @@ const hyperpatch::MultiPatch& vtkNURBSAlgorithm::Convert(vtkDataObject* input)
   const vtkMTimeType time = input ? LatestTime(input) : 0;
   if (!this->Converted || this->Converted->Input != input || this->Converted->Time != time)
   {
+    this->ModelChanged();
     this->Converted.reset();
     hyperpatch::MultiPatch model = hyperpatch::FromVTK(input);
     this->Converted = std::make_unique<Conversion>(Conversion{ input, time, std::move(model) });
@@ -142,6 +144,8 @@ int vtkNURBSAlgorithm::RequestData(
 bool vtkNURBSAlgorithm::Run(vtkDataObject* input, vtkDataObject* output)
 {
   this->SetProgressRange(0.0, 1.0);
+  // The pipeline has passed on the field data of the input, which say nothing of the output.
+  output->GetFieldData()->Initialize();
   // Ranks must agree on how this ends: one that leaves alone lets the others wait for ever.
   const auto attempt = [this](auto&& step)
   {
@@ -158,11 +162,14 @@ bool vtkNURBSAlgorithm::Run(vtkDataObject* input, vtkDataObject* output)
     {
       message = "out of memory";
     }
-    if (!message.empty())
+    // One message: that of the first rank that has one.
+    const double rank = this->Controller ? this->Controller->GetLocalProcessId() : 0;
+    const double first = this->GlobalMinimum({ message.empty() ? INFINITY : rank })[0];
+    if (!message.empty() && first == rank)
     {
       vtkErrorMacro(<< message);
     }
-    return !this->AnyRank(!message.empty());
+    return first == INFINITY;
   };
 
   const hyperpatch::MultiPatch* model = nullptr;

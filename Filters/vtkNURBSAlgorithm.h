@@ -73,6 +73,12 @@ protected:
   virtual void Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output) = 0;
 
   /**
+   * Called when another model than before is about to come: what a filter keeps of the old one, it
+   * drops here.
+   */
+  virtual void ModelChanged() {}
+
+  /**
    * The part of the whole progress that the following loops report, at first from 0 to 1.
    */
   void SetProgressRange(double begin, double end);

@@ -84,42 +84,32 @@ void vtkNURBSContour::Execute(const hyperpatch::MultiPatch& model, vtkDataObject
     throw hyperpatch::Error("there is no attribute \"" + name + "\" to contour by" +
       (there.empty() ? ": the model has none" : "; there are: " + there));
   }
-  if (this->Component < -1 || this->Component >= found->second ||
-    (this->Component == -1 && found->second > 3))
+  if (this->Component < -1 || this->Component >= found->second)
   {
     throw hyperpatch::Error("component " + std::to_string(this->Component) + " of attribute \"" +
       name + "\" cannot be contoured: it has " + std::to_string(found->second) +
-      (found->second > 3 ? "; the magnitude (-1) is for at most three" : ""));
+      " (0.. or -1 for the magnitude)");
   }
 
   std::vector<Task> tasks;
-  for (const hyperpatch::Patch& patch : model.Patches)
+  for (const PreparedPatch& patch : this->Prepare(model))
   {
-    const hyperpatch::Spline* attribute = patch.Body.FindAttribute(name);
-    if (!attribute || attribute->Components() != found->second)
+    for (const auto& attribute : patch.Body->Attributes())
     {
-      continue;
-    }
-    const int handedness = hyperpatch::Handedness(patch);
-    for (std::size_t i = 0; i < this->Values.size(); ++i)
-    {
-      std::shared_ptr<const hyperpatch::ScalarField> field;
-      if (this->Component >= 0)
+      const hyperpatch::Spline& spline = attribute->Spline();
+      if (&spline != patch.Patch->Body.FindAttribute(name) || spline.Components() != found->second)
       {
-        field = std::make_shared<hyperpatch::PolynomialField>(
-          hyperpatch::AttributeField(*attribute, this->Component, this->Values[i]));
+        continue;
       }
-      else
+      for (std::size_t i = 0; i < this->Values.size(); ++i)
       {
-        hyperpatch::Quadric magnitude;
-        magnitude.A.setIdentity();
-        // A negative magnitude is nowhere: keep the function positive.
-        magnitude.c = this->Values[i] < 0.0 ? 1.0 : -this->Values[i] * this->Values[i];
-        field = std::make_shared<hyperpatch::QuadricField>(*attribute, magnitude, false);
+        const double value = this->Values[i];
+        auto field = std::make_shared<hyperpatch::QuadricField>(attribute,
+          this->Component < 0 ? hyperpatch::MagnitudeEquals(spline, value)
+                              : hyperpatch::ComponentEquals(spline, this->Component, value),
+          false);
+        tasks.push_back({ patch, std::move(field), static_cast<int>(i) });
       }
-      tasks.push_back(
-        { std::shared_ptr<const hyperpatch::Patch>(&patch, [](const hyperpatch::Patch*) {}),
-          std::move(field), handedness, static_cast<int>(i) });
     }
   }
   NURBSMeshOutput mesh(tolerances.Components, { "ContourIndex" });

@@ -29,8 +29,7 @@ public:
 
   ///@{
   /**
-   * The component of the attribute, from 0; -1 is the magnitude (of at most three components).
-   * Default 0.
+   * The component of the attribute, from 0; -1 is the magnitude. Default 0.
    */
   vtkSetMacro(Component, int);
   vtkGetMacro(Component, int);

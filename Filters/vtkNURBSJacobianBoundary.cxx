@@ -49,22 +49,22 @@ void vtkNURBSJacobianBoundary::Execute(const hyperpatch::MultiPatch& model, vtkD
   NURBSMeshOutput mesh(tolerances.Components, { "Piece" });
   std::vector<Task> tasks;
   int leftOut = 0;
-  for (const hyperpatch::Patch& patch : model.Patches)
+  for (const PreparedPatch& prepared : this->Prepare(model))
   {
+    const hyperpatch::Patch& patch = *prepared.Patch;
     const hyperpatch::Spline& geometry = patch.Body.Geometry();
     if (geometry.Dimension() < 3)
     {
       ++leftOut;
       continue;
     }
-    const int handedness = hyperpatch::Handedness(patch) < 0 ? -1 : 1;
     if (this->Faces)
     {
       hyperpatch::TessellationOptions options;
       options.Tolerance = tolerances.Position > 0.0 ? tolerances.Position : this->GetTolerance();
       options.AttributeTolerances = tolerances.Of(patch);
       const hyperpatch::SurfaceMesh faces =
-        hyperpatch::TessellateBoundary(patch, handedness, options);
+        hyperpatch::TessellateBoundary(patch, prepared.Handedness, options);
       mesh.AddPoints(patch, faces.Parameters, faces.Points, faces.Normals, faces.Attributes);
       mesh.AddCells(patch, faces.Triangles, faces.TriangleElements, { faces.TriangleSides });
     }
@@ -84,13 +84,16 @@ void vtkNURBSJacobianBoundary::Execute(const hyperpatch::MultiPatch& model, vtkD
       {
         for (std::size_t i = 0; i + 1 < blocks[0].size(); ++i)
         {
-          auto part = whole
-            ? std::shared_ptr<const hyperpatch::Patch>(&patch, [](const hyperpatch::Patch*) {})
-            : std::make_shared<const hyperpatch::Patch>(
-                hyperpatch::RestrictPatch(patch, { blocks[0][i], blocks[1][j], blocks[2][k] },
-                  { blocks[0][i + 1], blocks[1][j + 1], blocks[2][k + 1] }));
-          auto field = std::make_shared<hyperpatch::JacobianField>(part->Body.Geometry());
-          tasks.push_back({ std::move(part), std::move(field), handedness, SHEET });
+          PreparedPatch part = prepared;
+          if (!whole)
+          {
+            part.Patch = std::make_shared<const hyperpatch::Patch>(
+              hyperpatch::RestrictPatch(patch, { blocks[0][i], blocks[1][j], blocks[2][k] },
+                { blocks[0][i + 1], blocks[1][j + 1], blocks[2][k + 1] }));
+            part.Body = std::make_shared<const hyperpatch::PreparedAggregate>(part.Patch->Body);
+          }
+          auto field = std::make_shared<hyperpatch::JacobianField>(part.Body->Geometry());
+          tasks.push_back({ std::move(part), std::move(field), SHEET });
         }
       }
     }

@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <set>
 
 VTK_ABI_NAMESPACE_BEGIN
 
@@ -65,28 +64,50 @@ std::vector<double> vtkNURBSMeshAlgorithm::AbsoluteTolerances::Of(
   return tolerances;
 }
 
+void vtkNURBSMeshAlgorithm::ModelChanged()
+{
+  this->Superclass::ModelChanged();
+  this->LocalRanges.clear();
+  this->RangesKnown = false;
+}
+
 vtkNURBSMeshAlgorithm::AbsoluteTolerances vtkNURBSMeshAlgorithm::FindTolerances(
   const hyperpatch::MultiPatch& model)
 {
   AbsoluteTolerances result;
   result.Position = this->Tolerance * this->Diagonal(model);
 
+  if (!this->RangesKnown)
+  {
+    for (const hyperpatch::Patch& patch : model.Patches)
+    {
+      std::ptrdiff_t spans = 1;
+      for (std::size_t d = 0; d < 3; ++d)
+      {
+        const auto here = patch.Body.Geometry().Knots()[d].Spans().size();
+        spans *= std::max<std::ptrdiff_t>(patch.WholeSpans[d], static_cast<std::ptrdiff_t>(here));
+      }
+      for (const hyperpatch::Attribute& attribute : patch.Body.Attributes())
+      {
+        const auto range = SampledRange(attribute.Field, spans <= 10000);
+        const auto [at, isNew] = this->LocalRanges.insert(
+          { attribute.Name, { attribute.Field.Components(), range[0], range[1] } });
+        at->second.Low = std::min(at->second.Low, range[0]);
+        at->second.High = std::max(at->second.High, range[1]);
+      }
+    }
+    this->RangesKnown = true;
+  }
+
   // All ranks agree on the attributes first: names as records of character codes, with components.
   std::vector<double> records;
-  std::set<std::string> own;
-  for (const hyperpatch::Patch& patch : model.Patches)
+  for (const auto& [name, range] : this->LocalRanges)
   {
-    for (const hyperpatch::Attribute& attribute : patch.Body.Attributes())
+    records.push_back(range.Components);
+    records.push_back(static_cast<double>(name.size()));
+    for (const char c : name)
     {
-      if (own.insert(attribute.Name).second)
-      {
-        records.push_back(attribute.Field.Components());
-        records.push_back(static_cast<double>(attribute.Name.size()));
-        for (const char c : attribute.Name)
-        {
-          records.push_back(static_cast<unsigned char>(c));
-        }
-      }
+      records.push_back(static_cast<unsigned char>(c));
     }
   }
   records = this->AllGather(records);
@@ -105,22 +126,12 @@ vtkNURBSMeshAlgorithm::AbsoluteTolerances vtkNURBSMeshAlgorithm::FindTolerances(
 
   std::vector<double> low(result.Components.size(), INFINITY);
   std::vector<double> high(result.Components.size(), -INFINITY);
-  for (const hyperpatch::Patch& patch : model.Patches)
+  for (const auto& [name, range] : this->LocalRanges)
   {
-    for (const hyperpatch::Attribute& attribute : patch.Body.Attributes())
-    {
-      std::ptrdiff_t spans = 1;
-      for (std::size_t d = 0; d < 3; ++d)
-      {
-        const auto here = patch.Body.Geometry().Knots()[d].Spans().size();
-        spans *= std::max<std::ptrdiff_t>(patch.WholeSpans[d], static_cast<std::ptrdiff_t>(here));
-      }
-      const auto range = SampledRange(attribute.Field, spans <= 10000);
-      const auto i = static_cast<std::size_t>(
-        std::distance(result.Components.begin(), result.Components.find(attribute.Name)));
-      low[i] = std::min(low[i], range[0]);
-      high[i] = std::max(high[i], range[1]);
-    }
+    const auto i = static_cast<std::size_t>(
+      std::distance(result.Components.begin(), result.Components.find(name)));
+    low[i] = range.Low;
+    high[i] = range.High;
   }
   low = this->GlobalMinimum(low);
   high = this->GlobalMaximum(high);

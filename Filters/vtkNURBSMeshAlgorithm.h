@@ -73,9 +73,21 @@ protected:
   };
   AbsoluteTolerances FindTolerances(const hyperpatch::MultiPatch& model);
 
+  void ModelChanged() override;
+
 private:
   vtkNURBSMeshAlgorithm(const vtkNURBSMeshAlgorithm&) = delete;
   void operator=(const vtkNURBSMeshAlgorithm&) = delete;
+
+  /// Components and least and largest sampled value of each attribute of the patches here.
+  struct LocalRange
+  {
+    int Components = 0;
+    double Low = 0.0;
+    double High = 0.0;
+  };
+  std::map<std::string, LocalRange> LocalRanges;
+  bool RangesKnown = false;
 
   double Tolerance = 1e-3;
   double AttributeTolerance = 1e-2;

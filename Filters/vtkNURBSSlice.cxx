@@ -45,30 +45,33 @@ std::optional<hyperpatch::Quadric> AsQuadric(
     return function->FunctionValue(x.data());
   };
   // q(centre + size y) = y' A y + b . y + c
-  hyperpatch::Quadric q;
   const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
-  const double c = value(Eigen::Vector3d::Zero());
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b;
+  const double c = value(Eigen::Vector3d::Zero());
   for (int i = 0; i < 3; ++i)
   {
     const double plus = value(unit.col(i));
     const double minus = value(-unit.col(i));
     b[i] = 0.5 * (plus - minus);
-    q.A(i, i) = plane ? 0.0 : 0.5 * (plus + minus) - c;
+    A(i, i) = 0.5 * (plus + minus) - c;
   }
-  for (int i = 0; i < 3 && quadric; ++i)
+  for (int i = 0; i < 3; ++i)
   {
     for (int j = 0; j < i; ++j)
     {
       const double both = value(unit.col(i) + unit.col(j));
-      q.A(i, j) = q.A(j, i) = 0.5 * (both - c - b[i] - b[j] - q.A(i, i) - q.A(j, j));
+      A(i, j) = A(j, i) = 0.5 * (both - c - b[i] - b[j] - A(i, i) - A(j, j));
     }
   }
-  q.A /= size * size;
   b /= size;
-  q.b = b - (q.A + q.A.transpose()) * centre;
-  q.c = c - b.dot(centre) + centre.dot(q.A * centre);
-  return q;
+  if (plane)
+  {
+    return hyperpatch::Quadric{ Eigen::MatrixXd(), b, c - b.dot(centre) };
+  }
+  A /= size * size;
+  const Eigen::Vector3d slope = b - 2.0 * A * centre;
+  return hyperpatch::Quadric{ A, slope, c - b.dot(centre) + centre.dot(A * centre) };
 }
 
 }
@@ -161,10 +164,8 @@ void vtkNURBSSlice::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* 
     const double size = (high - low).norm();
     quadric = AsQuadric(this->SliceFunction, 0.5 * (low + high), size > 0.0 ? size : 1.0);
   }
-  for (const hyperpatch::Patch& patch : model.Patches)
+  for (const PreparedPatch& patch : this->Prepare(model))
   {
-    const hyperpatch::Spline& geometry = patch.Body.Geometry();
-    const int handedness = hyperpatch::Handedness(patch);
     for (std::size_t i = 0; i < this->OffsetValues.size(); ++i)
     {
       const double offset = this->OffsetValues[i];
@@ -173,18 +174,12 @@ void vtkNURBSSlice::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* 
       {
         hyperpatch::Quadric q = *quadric;
         q.c -= offset;
-        if (q.IsPlane())
-        {
-          field = std::make_shared<hyperpatch::PlaneField>(geometry, q);
-        }
-        else
-        {
-          field = std::make_shared<hyperpatch::QuadricField>(geometry, q, true);
-        }
+        field =
+          std::make_shared<hyperpatch::QuadricField>(patch.Body->Geometry(), std::move(q), true);
       }
       else
       {
-        field = std::make_shared<hyperpatch::SampledField>(geometry,
+        field = std::make_shared<hyperpatch::SampledField>(patch.Body->Geometry(),
           [function = this->SliceFunction, offset](
             std::size_t count, const double* points, double* values, double* gradients)
           {
@@ -199,9 +194,7 @@ void vtkNURBSSlice::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* 
             }
           });
       }
-      tasks.push_back(
-        { std::shared_ptr<const hyperpatch::Patch>(&patch, [](const hyperpatch::Patch*) {}),
-          std::move(field), handedness, static_cast<int>(i) });
+      tasks.push_back({ patch, std::move(field), static_cast<int>(i) });
     }
   }
   NURBSMeshOutput mesh(tolerances.Components, { "SliceIndex" });

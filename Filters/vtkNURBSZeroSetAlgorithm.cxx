@@ -33,6 +33,32 @@ using IntervalKey = std::array<double, 4>;
 
 }
 
+vtkNURBSZeroSetAlgorithm::vtkNURBSZeroSetAlgorithm() = default;
+vtkNURBSZeroSetAlgorithm::~vtkNURBSZeroSetAlgorithm() = default;
+
+void vtkNURBSZeroSetAlgorithm::ModelChanged()
+{
+  this->Superclass::ModelChanged();
+  this->Prepared.clear();
+}
+
+const std::vector<vtkNURBSZeroSetAlgorithm::PreparedPatch>& vtkNURBSZeroSetAlgorithm::Prepare(
+  const hyperpatch::MultiPatch& model)
+{
+  if (this->Prepared.empty())
+  {
+    for (const hyperpatch::Patch& patch : model.Patches)
+    {
+      // The model outlives what is kept of it: ModelChanged() comes first.
+      this->Prepared.push_back(
+        { std::shared_ptr<const hyperpatch::Patch>(&patch, [](const hyperpatch::Patch*) {}),
+          std::make_shared<const hyperpatch::PreparedAggregate>(patch.Body),
+          hyperpatch::Handedness(patch) < 0 ? -1 : 1 });
+    }
+  }
+  return this->Prepared;
+}
+
 void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   const AbsoluteTolerances& tolerances, NURBSMeshOutput& output, vtkFieldData* fieldData)
 {
@@ -43,14 +69,14 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   {
     hyperpatch::ZeroSetOptions options;
     options.Tolerance = tolerances.Position;
-    options.AttributeTolerances = tolerances.Of(*task.Patch);
-    options.Handedness = task.Handedness < 0 ? -1 : 1;
+    options.AttributeTolerances = tolerances.Of(*task.On.Patch);
+    options.Handedness = task.On.Handedness;
     if (together)
     {
       options.For = this->KernelParallelFor();
     }
     zeroSets.push_back(
-      std::make_unique<hyperpatch::ZeroSet>(task.Patch->Body, *task.Field, std::move(options)));
+      std::make_unique<hyperpatch::ZeroSet>(task.On.Body, *task.Field, std::move(options)));
   }
 
   double progress = 0.0;
@@ -97,7 +123,7 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
         for (std::size_t b = 0; b < wanted[d].size(); ++b)
         {
           records.insert(records.end(),
-            { static_cast<double>(tasks[i].Value), static_cast<double>(tasks[i].Patch->Id),
+            { static_cast<double>(tasks[i].Value), static_cast<double>(tasks[i].On.Patch->Id),
               static_cast<double>(d), grid.Breaks[d][b], static_cast<double>(wanted[d][b]) });
         }
       }
@@ -117,8 +143,9 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
       {
         for (std::size_t b = 0; b < wanted[d].size(); ++b)
         {
-          wanted[d][b] = counts.at({ static_cast<double>(tasks[i].Value),
-            static_cast<double>(tasks[i].Patch->Id), static_cast<double>(d), grid.Breaks[d][b] });
+          wanted[d][b] = counts.at(
+            { static_cast<double>(tasks[i].Value), static_cast<double>(tasks[i].On.Patch->Id),
+              static_cast<double>(d), grid.Breaks[d][b] });
         }
       }
       stale[i] = zeroSets[i]->Refine();
@@ -131,10 +158,11 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   {
     const hyperpatch::ZeroSetMesh& mesh = zeroSets[i]->Mesh();
     certificate.Add(zeroSets[i]->Certificate());
-    output.AddPoints(*tasks[i].Patch, mesh.Parameters, mesh.Points, mesh.Normals, mesh.Attributes);
-    const Eigen::Vector3i firstSpan(tasks[i].Patch->FirstSpan.data());
+    output.AddPoints(
+      *tasks[i].On.Patch, mesh.Parameters, mesh.Points, mesh.Normals, mesh.Attributes);
+    const Eigen::Vector3i firstSpan(tasks[i].On.Patch->FirstSpan.data());
     output.AddCells(
-      *tasks[i].Patch, mesh.Cells, mesh.Elements.colwise() + firstSpan, { { tasks[i].Value } });
+      *tasks[i].On.Patch, mesh.Cells, mesh.Elements.colwise() + firstSpan, { { tasks[i].Value } });
     zeroSets[i].reset();
   }
 

@@ -29,6 +29,7 @@ class vtkFieldData;
 
 namespace hyperpatch
 {
+class PreparedAggregate;
 class ScalarField;
 }
 
@@ -39,17 +40,28 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
 protected:
-  vtkNURBSZeroSetAlgorithm() = default;
-  ~vtkNURBSZeroSetAlgorithm() override = default;
+  vtkNURBSZeroSetAlgorithm();
+  ~vtkNURBSZeroSetAlgorithm() override;
+
+  /**
+   * A patch with what zero sets of it share; kept until the model changes, so that another plane or
+   * value costs only its surface.
+   */
+  struct PreparedPatch
+  {
+    std::shared_ptr<const hyperpatch::Patch> Patch;
+    std::shared_ptr<const hyperpatch::PreparedAggregate> Body;
+    int Handedness = 1;
+  };
+  const std::vector<PreparedPatch>& Prepare(const hyperpatch::MultiPatch& model);
 
   /**
    * One field on one patch (or on the block of it between C0 knot planes).
    */
   struct Task
   {
-    std::shared_ptr<const hyperpatch::Patch> Patch;
+    PreparedPatch On;
     std::shared_ptr<const hyperpatch::ScalarField> Field;
-    int Handedness = 1;
     int Value = 0; ///< label of the cells; parts of a patch with the same value share a grid
   };
 
@@ -60,9 +72,13 @@ protected:
   void Draw(const std::vector<Task>& tasks, const AbsoluteTolerances& tolerances,
     NURBSMeshOutput& output, vtkFieldData* fieldData);
 
+  void ModelChanged() override;
+
 private:
   vtkNURBSZeroSetAlgorithm(const vtkNURBSZeroSetAlgorithm&) = delete;
   void operator=(const vtkNURBSZeroSetAlgorithm&) = delete;
+
+  std::vector<PreparedPatch> Prepared;
 };
 
 #endif

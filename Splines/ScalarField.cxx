@@ -91,21 +91,6 @@ BezierBox OnBezierBox(const Spline& spline, const ParameterBox& box)
   return result;
 }
 
-/// w (values - offset) as coefficients of a polynomial field, and what rounding did to them.
-PolynomialField Weighted(
-  const Spline& spline, const Eigen::RowVectorXd& values, double offset, int operations)
-{
-  Eigen::MatrixXd coefficients = values.array() - offset;
-  double largest = values.cwiseAbs().maxCoeff() + std::abs(offset);
-  if (spline.IsRational())
-  {
-    coefficients.array() *= spline.Weights().transpose().array();
-    largest *= spline.Weights().maxCoeff();
-  }
-  return PolynomialField(
-    Spline(spline.Knots(), std::move(coefficients)), UnitRoundoff * operations * largest);
-}
-
 }
 
 ScalarField::~ScalarField() = default;
@@ -118,123 +103,82 @@ bool ScalarField::Excludes(const ParameterBox& /*box*/) const
 void ScalarField::Snap(std::size_t /*count*/, double* /*points*/) const {}
 
 //------------------------------------------------------------------------------------------------
-PolynomialField::PolynomialField(Spline polynomial, double coefficientError)
-  : F(std::move(polynomial))
-  , CoefficientError(coefficientError)
-  , E(this->F)
+double Quadric::Value(const double* x) const
 {
-  if (this->F.Components() != 1 || this->F.IsRational())
+  const Eigen::Index m = this->b.size();
+  double sum = this->c;
+  for (Eigen::Index i = 0; i < m; ++i)
   {
-    throw Error("a polynomial field has one component and no weights");
+    double factor = this->b[i];
+    for (Eigen::Index j = 0; j < m && !this->IsLinear(); ++j)
+    {
+      factor += this->A(i, j) * x[j];
+    }
+    sum += factor * x[i];
+  }
+  return sum;
+}
+
+void Quadric::Gradient(const double* x, double* gradient) const
+{
+  const Eigen::Index m = this->b.size();
+  for (Eigen::Index i = 0; i < m; ++i)
+  {
+    gradient[i] = this->b[i];
+    for (Eigen::Index j = 0; j < m && !this->IsLinear(); ++j)
+    {
+      gradient[i] += 2.0 * this->A(i, j) * x[j];
+    }
   }
 }
 
-void PolynomialField::Evaluate(std::size_t count, const double* parameters, double* values) const
-{
-  this->E.Evaluate(count, parameters, values);
-}
-
-void PolynomialField::EvaluateWithGradient(
-  std::size_t count, const double* parameters, double* values, double* gradients) const
-{
-  this->E.EvaluateWithDerivatives(count, parameters, values, gradients);
-}
-
-std::array<std::vector<double>, 3> PolynomialField::Breaks() const
-{
-  return BreaksOf(this->F);
-}
-
-std::optional<Bernstein> PolynomialField::OnBox(const ParameterBox& box) const
-{
-  const BezierBox bezier = OnBezierBox(this->F, box);
-  return Bernstein(
-    this->F.Degrees(), bezier.Points.row(0).transpose(), bezier.Error + this->CoefficientError);
-}
-
-bool PolynomialField::Excludes(const ParameterBox& box) const
-{
-  double low = INFINITY;
-  double high = -INFINITY;
-  ForControlWindow(this->F, SpansAround(this->F, box),
-    [this, &low, &high](Eigen::Index i)
-    {
-      const double value = this->F.Coefficients()(0, i);
-      low = std::min(low, value);
-      high = std::max(high, value);
-    });
-  return low > this->CoefficientError || high < -this->CoefficientError;
-}
-
-PolynomialField AttributeField(const Spline& attribute, int component, double value)
+Quadric ComponentEquals(const Spline& attribute, int component, double value)
 {
   if (component < 0 || component >= attribute.Components())
   {
     throw Error("component " + std::to_string(component) + " is not one of the attribute's " +
       std::to_string(attribute.Components()));
   }
-  return Weighted(attribute, attribute.Coefficients().row(component), value, 2);
+  return { Eigen::MatrixXd(), Eigen::VectorXd::Unit(attribute.Components(), component), -value };
 }
 
-//------------------------------------------------------------------------------------------------
-PlaneField::PlaneField(const Spline& geometry, const Quadric& plane)
-  : PolynomialField(Weighted(geometry,
-      plane.b.head(geometry.Components()).transpose() * geometry.Coefficients(), -plane.c, 8))
-  , Q(plane)
+Quadric MagnitudeEquals(const Spline& attribute, double value)
 {
+  const Eigen::Index m = attribute.Components();
+  return { Eigen::MatrixXd::Identity(m, m), Eigen::VectorXd::Zero(m),
+    value < 0.0 ? 1.0 : -value * value };
 }
 
-namespace
-{
-
-/// One Newton step towards q = 0 along the gradient: exact for a plane, quadratic otherwise.
-void SnapToQuadric(const Quadric& q, std::size_t count, double* points)
-{
-  for (std::size_t i = 0; i < count; ++i)
-  {
-    Eigen::Map<Eigen::Vector3d> x(points + 3 * i);
-    const Eigen::Vector3d gradient = q.Gradient(x);
-    const double square = gradient.squaredNorm();
-    if (square > 0.0)
-    {
-      x -= gradient * (q(x) / square);
-    }
-  }
-}
-
-}
-
-void PlaneField::Snap(std::size_t count, double* points) const
-{
-  SnapToQuadric(this->Q, count, points);
-}
-
-//------------------------------------------------------------------------------------------------
-QuadricField::QuadricField(const Spline& spline, const Quadric& quadric, bool isPhysical)
-  : S(spline)
-  , Q(quadric)
+QuadricField::QuadricField(
+  std::shared_ptr<const PreparedSpline> spline, Quadric quadric, bool isPhysical)
+  : S(std::move(spline))
+  , Q(std::move(quadric))
   , Physical(isPhysical)
-  , E(spline)
 {
-  if (spline.Components() > 3)
+  const Eigen::Index m = this->S->Spline().Components();
+  if (this->Q.b.size() != m ||
+    (!this->Q.IsLinear() && (this->Q.A.rows() != m || this->Q.A.cols() != m)))
   {
-    throw Error("a quadric needs a spline of at most three components");
+    throw Error("the quadric is not one of " + std::to_string(m) + " components");
   }
+}
+
+QuadricField::QuadricField(const Spline& spline, Quadric quadric, bool isPhysical)
+  : QuadricField(std::make_shared<const PreparedSpline>(spline), std::move(quadric), isPhysical)
+{
 }
 
 void QuadricField::Evaluate(std::size_t count, const double* parameters, double* values) const
 {
-  const auto m = static_cast<std::size_t>(this->S.Components());
+  const auto m = static_cast<std::size_t>(this->S->Spline().Components());
   std::vector<double> points(m * std::min(count, Chunk));
   for (std::size_t first = 0; first < count; first += Chunk)
   {
     const std::size_t n = std::min(Chunk, count - first);
-    this->E.Evaluate(n, parameters + 3 * first, points.data());
+    this->S->Evaluator().Evaluate(n, parameters + 3 * first, points.data());
     for (std::size_t i = 0; i < n; ++i)
     {
-      Eigen::Vector3d x = Eigen::Vector3d::Zero();
-      std::copy_n(points.data() + m * i, m, x.data());
-      values[first + i] = this->Q(x);
+      values[first + i] = this->Q.Value(points.data() + m * i);
     }
   }
 }
@@ -242,25 +186,26 @@ void QuadricField::Evaluate(std::size_t count, const double* parameters, double*
 void QuadricField::EvaluateWithGradient(
   std::size_t count, const double* parameters, double* values, double* gradients) const
 {
-  const auto m = static_cast<std::size_t>(this->S.Components());
+  const auto m = static_cast<std::size_t>(this->S->Spline().Components());
   std::vector<double> points(m * std::min(count, Chunk));
   std::vector<double> derivatives(3 * points.size());
+  std::vector<double> g(m);
   for (std::size_t first = 0; first < count; first += Chunk)
   {
     const std::size_t n = std::min(Chunk, count - first);
-    this->E.EvaluateWithDerivatives(n, parameters + 3 * first, points.data(), derivatives.data());
+    this->S->Evaluator().EvaluateWithDerivatives(
+      n, parameters + 3 * first, points.data(), derivatives.data());
     for (std::size_t i = 0; i < n; ++i)
     {
-      Eigen::Vector3d x = Eigen::Vector3d::Zero();
-      std::copy_n(points.data() + m * i, m, x.data());
-      values[first + i] = this->Q(x);
-      const Eigen::Vector3d g = this->Q.Gradient(x);
+      const double* x = points.data() + m * i;
+      values[first + i] = this->Q.Value(x);
+      this->Q.Gradient(x, g.data());
       for (std::size_t d = 0; d < 3; ++d)
       {
         double sum = 0.0;
         for (std::size_t c = 0; c < m; ++c)
         {
-          sum += g[static_cast<Eigen::Index>(c)] * derivatives[3 * m * i + m * d + c];
+          sum += g[c] * derivatives[3 * m * i + m * d + c];
         }
         gradients[3 * (first + i) + d] = sum;
       }
@@ -270,37 +215,64 @@ void QuadricField::EvaluateWithGradient(
 
 std::array<std::vector<double>, 3> QuadricField::Breaks() const
 {
-  return BreaksOf(this->S);
+  return BreaksOf(this->S->Spline());
 }
 
 std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
 {
-  const BezierBox bezier = OnBezierBox(this->S, box);
+  const Spline& spline = this->S->Spline();
+  const BezierBox bezier = OnBezierBox(spline, box);
   const Eigen::MatrixXd& points = bezier.Points;
-  const auto degrees = this->S.Degrees();
-  const int m = this->S.Components();
+  const auto degrees = spline.Degrees();
+  const bool rational = spline.IsRational();
+  const int m = spline.Components();
   // Around the middle of the control points, so that far-away models do not lose digits.
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  const Eigen::VectorXd centre = points.topRows(m).rowwise().sum() /
+    (rational ? points.row(m).sum() : static_cast<double>(points.cols()));
+  Eigen::VectorXd slope(m);
+  this->Q.Gradient(centre.data(), slope.data());
+  const double value = this->Q.Value(centre.data());
+
+  // The linear part, b . (X - c W) + q(c) W. Each coefficient is a short sum: right to a few ulp of
+  // its terms, besides what the points bring along.
+  const double largestWeight = rational ? points.row(m).maxCoeff() : 1.0;
+  double terms = std::abs(this->Q.c);
+  double shift = std::abs(value);
   for (int c = 0; c < m; ++c)
   {
-    centre[c] =
-      this->S.IsRational() ? points.row(c).sum() / points.row(m).sum() : points.row(c).mean();
+    terms += std::abs(this->Q.b[c] * centre[c]);
+    shift += std::abs(slope[c]) *
+      (points.row(c).cwiseAbs().maxCoeff() + std::abs(centre[c]) * largestWeight);
   }
-  const Eigen::Vector3d b = this->Q.Gradient(centre);
-  const double c0 = this->Q(centre);
-  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(points.cols());
-  const Bernstein weight = this->S.IsRational()
-    ? Bernstein(degrees, points.row(m).transpose(), bezier.Error)
-    : Bernstein(degrees, ones);
+  if (!this->Q.IsLinear())
+  {
+    terms += centre.cwiseAbs().dot(this->Q.A.cwiseAbs() * centre.cwiseAbs());
+  }
+  const double error = bezier.Error *
+      (slope.cwiseAbs().sum() + slope.cwiseAbs().dot(centre.cwiseAbs()) + std::abs(value)) +
+    UnitRoundoff * 4 * (m + 2) * (terms * largestWeight + shift);
+  Eigen::VectorXd coefficients = points.topRows(m).transpose() * slope;
+  const double constant = value - slope.dot(centre);
+  if (rational)
+  {
+    coefficients += constant * points.row(m).transpose();
+  }
+  else
+  {
+    coefficients.array() += constant;
+  }
+  const Bernstein linear(degrees, std::move(coefficients), error);
+  if (this->Q.IsLinear())
+  {
+    return linear;
+  }
+
+  const Bernstein weight = rational ? Bernstein(degrees, points.row(m).transpose(), bezier.Error)
+                                    : Bernstein(degrees, Eigen::VectorXd::Ones(points.cols()));
   std::vector<Bernstein> x;
   for (int c = 0; c < m; ++c)
   {
     x.push_back(Bernstein(degrees, points.row(c).transpose(), bezier.Error) - centre[c] * weight);
-  }
-  Bernstein linear = c0 * weight;
-  for (int c = 0; c < m; ++c)
-  {
-    linear = linear + b[c] * x[static_cast<std::size_t>(c)];
   }
   Bernstein sum = linear * weight;
   for (int r = 0; r < m; ++r)
@@ -319,43 +291,107 @@ std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
 
 bool QuadricField::Excludes(const ParameterBox& box) const
 {
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY);
-  Eigen::Vector3d high = -low;
-  const int m = this->S.Components();
-  ForControlWindow(this->S, SpansAround(this->S, box),
-    [this, m, &low, &high](Eigen::Index i)
+  const int m = this->S->Spline().Components();
+  std::array<double, 3 * 16> fixed;
+  std::vector<double> grown;
+  double* bounds = fixed.data();
+  if (m > 16)
+  {
+    grown.resize(3 * static_cast<std::size_t>(m));
+    bounds = grown.data();
+  }
+  Eigen::Map<Eigen::VectorXd> centre(bounds, m);
+  Eigen::Map<Eigen::VectorXd> half(bounds + m, m);
+  Eigen::Map<Eigen::VectorXd> slope(bounds + 2 * m, m);
+  this->S->Bounds().Find(box, centre.data(), half.data());
+  double terms = std::abs(this->Q.c);
+  for (int i = 0; i < m; ++i)
+  {
+    const double low = centre[i];
+    const double high = half[i];
+    centre[i] = 0.5 * (low + high);
+    half[i] = 0.5 * (high - low);
+    terms += std::abs(this->Q.b[i] * centre[i]);
+  }
+  const double value = this->Q.Value(centre.data());
+  this->Q.Gradient(centre.data(), slope.data());
+  double reach = 0.0;
+  for (int i = 0; i < m; ++i)
+  {
+    reach += std::abs(slope[i]) * half[i];
+    for (int j = 0; j < m && !this->Q.IsLinear(); ++j)
     {
-      low.head(m) = low.head(m).cwiseMin(this->S.Coefficients().col(i));
-      high.head(m) = high.head(m).cwiseMax(this->S.Coefficients().col(i));
+      reach += std::abs(this->Q.A(i, j)) * half[i] * half[j];
+      terms += std::abs(this->Q.A(i, j) * centre[i] * centre[j]);
+    }
+  }
+  // The sums are short: right to a few ulp of their terms.
+  const double error = UnitRoundoff * 4 * (m + 2) * (terms + reach);
+  if (std::abs(value) > reach + error)
+  {
+    return true;
+  }
+  // On one element the hull of a linear function is tighter than that of the bounding box.
+  const Spline& spline = this->S->Spline();
+  const std::array<int, 3> spans = SpansAround(spline, box);
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const KnotVector& knots = spline.Knots()[d];
+    if (!this->Q.IsLinear() || box.Low[d] < knots[spans[d]] || box.High[d] > knots[spans[d] + 1])
+    {
+      return false;
+    }
+  }
+  double least = INFINITY;
+  double most = -INFINITY;
+  ForControlWindow(spline, spans,
+    [this, &spline, &least, &most](Eigen::Index i)
+    {
+      const double f = this->Q.Value(spline.Coefficients().col(i).data());
+      least = std::min(least, f);
+      most = std::max(most, f);
     });
-  low.tail(3 - m).setZero();
-  high.tail(3 - m).setZero();
-  const Eigen::Vector3d centre = 0.5 * (low + high);
-  const Eigen::Vector3d half = 0.5 * (high - low);
-  const double value = this->Q(centre);
-  const double reach =
-    this->Q.Gradient(centre).cwiseAbs().dot(half) + half.dot(this->Q.A.cwiseAbs() * half);
-  // The sums above are short: a few ulp of their terms.
-  return std::abs(value) > reach * (1.0 + 1e-14) + 1e-14 * std::abs(this->Q.c);
+  return least > error || most < -error;
 }
 
 void QuadricField::Snap(std::size_t count, double* points) const
 {
-  if (this->Physical)
+  const auto m = static_cast<std::size_t>(this->S->Spline().Components());
+  if (!this->Physical)
   {
-    SnapToQuadric(this->Q, count, points);
+    return;
+  }
+  std::vector<double> gradient(m);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    double* x = points + 3 * i;
+    this->Q.Gradient(x, gradient.data());
+    double square = 0.0;
+    for (const double g : gradient)
+    {
+      square += g * g;
+    }
+    const double step = square > 0.0 ? this->Q.Value(x) / square : 0.0;
+    for (std::size_t c = 0; c < m; ++c)
+    {
+      x[c] -= step * gradient[c];
+    }
   }
 }
 
 //------------------------------------------------------------------------------------------------
-JacobianField::JacobianField(const Spline& geometry)
-  : S(geometry)
-  , E(geometry)
+JacobianField::JacobianField(std::shared_ptr<const PreparedSpline> geometry)
+  : S(std::move(geometry))
 {
-  if (geometry.Components() != 3 || geometry.Dimension() != 3)
+  if (this->S->Spline().Components() != 3 || this->S->Spline().Dimension() != 3)
   {
     throw Error("the Jacobian determinant needs a volume with three coordinates");
   }
+}
+
+JacobianField::JacobianField(const Spline& geometry)
+  : JacobianField(std::make_shared<const PreparedSpline>(geometry))
+{
 }
 
 void JacobianField::Evaluate(std::size_t count, const double* parameters, double* values) const
@@ -365,7 +401,8 @@ void JacobianField::Evaluate(std::size_t count, const double* parameters, double
   for (std::size_t first = 0; first < count; first += Chunk)
   {
     const std::size_t n = std::min(Chunk, count - first);
-    this->E.EvaluateWithDerivatives(n, parameters + 3 * first, points.data(), derivatives.data());
+    this->S->Evaluator().EvaluateWithDerivatives(
+      n, parameters + 3 * first, points.data(), derivatives.data());
     for (std::size_t i = 0; i < n; ++i)
     {
       values[first + i] =
@@ -385,7 +422,7 @@ void JacobianField::EvaluateWithGradient(
   for (std::size_t first = 0; first < count; first += Chunk)
   {
     const std::size_t n = std::min(Chunk, count - first);
-    this->E.EvaluateWithSecondDerivatives(
+    this->S->Evaluator().EvaluateWithSecondDerivatives(
       n, parameters + 3 * first, points.data(), derivatives.data(), seconds.data());
     for (std::size_t i = 0; i < n; ++i)
     {
@@ -409,25 +446,30 @@ void JacobianField::EvaluateWithGradient(
 
 std::array<std::vector<double>, 3> JacobianField::Breaks() const
 {
-  return BreaksOf(this->S);
+  return BreaksOf(this->S->Spline());
 }
 
 std::optional<Bernstein> JacobianField::OnBox(const ParameterBox& box) const
 {
-  const BezierBox bezier = OnBezierBox(this->S, box);
-  return JacobianDeterminant(bezier.Points, this->S.Degrees(), this->S.IsRational(), bezier.Error);
+  const BezierBox bezier = OnBezierBox(this->S->Spline(), box);
+  return JacobianDeterminant(
+    bezier.Points, this->S->Spline().Degrees(), this->S->Spline().IsRational(), bezier.Error);
 }
 
 //------------------------------------------------------------------------------------------------
-SampledField::SampledField(const Spline& geometry, Function function)
-  : S(geometry)
+SampledField::SampledField(std::shared_ptr<const PreparedSpline> geometry, Function function)
+  : S(std::move(geometry))
   , G(std::move(function))
-  , E(geometry)
 {
-  if (geometry.Components() != 3)
+  if (this->S->Spline().Components() != 3)
   {
     throw Error("a function on physical space needs a geometry with three coordinates");
   }
+}
+
+SampledField::SampledField(const Spline& geometry, Function function)
+  : SampledField(std::make_shared<const PreparedSpline>(geometry), std::move(function))
+{
 }
 
 void SampledField::Evaluate(std::size_t count, const double* parameters, double* values) const
@@ -436,7 +478,7 @@ void SampledField::Evaluate(std::size_t count, const double* parameters, double*
   for (std::size_t first = 0; first < count; first += Chunk)
   {
     const std::size_t n = std::min(Chunk, count - first);
-    this->E.Evaluate(n, parameters + 3 * first, points.data());
+    this->S->Evaluator().Evaluate(n, parameters + 3 * first, points.data());
     this->G(n, points.data(), values + first, nullptr);
   }
 }
@@ -450,7 +492,8 @@ void SampledField::EvaluateWithGradient(
   for (std::size_t first = 0; first < count; first += Chunk)
   {
     const std::size_t n = std::min(Chunk, count - first);
-    this->E.EvaluateWithDerivatives(n, parameters + 3 * first, points.data(), derivatives.data());
+    this->S->Evaluator().EvaluateWithDerivatives(
+      n, parameters + 3 * first, points.data(), derivatives.data());
     this->G(n, points.data(), values + first, physical.data());
     for (std::size_t i = 0; i < n; ++i)
     {
@@ -463,7 +506,7 @@ void SampledField::EvaluateWithGradient(
 
 std::array<std::vector<double>, 3> SampledField::Breaks() const
 {
-  return BreaksOf(this->S);
+  return BreaksOf(this->S->Spline());
 }
 
 std::optional<Bernstein> SampledField::OnBox(const ParameterBox& /*box*/) const

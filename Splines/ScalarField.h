@@ -3,32 +3,27 @@
 #define hyperpatch_ScalarField_h
 
 #include "Bernstein.h"
-#include "Evaluator.h"
+#include "Prepared.h"
 
 #include <Eigen/Dense>
 
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
 namespace hyperpatch
 {
 
-/// A box in the parameter domain of a patch.
-struct ParameterBox
-{
-  std::array<double, 3> Low;
-  std::array<double, 3> High;
-};
-
 /// A scalar function f over the parameter domain of one patch, whose zero set is wanted: a slice,
 /// an isosurface and the Jacobian boundary differ only in their field. Const and reentrant.
 ///
 /// f may be multiplied by anything positive (powers of the weight function), which makes it a
 /// piecewise polynomial for planes, quadrics, attributes and Jacobian determinants; then it can be
-/// bounded by its Bernstein coefficients.
+/// bounded by its Bernstein coefficients. Constructors that take a spline itself keep a reference
+/// to it; it must outlive the field.
 class ScalarField
 {
 public:
@@ -49,7 +44,7 @@ public:
   /// cube. Nothing where f is no polynomial: then no cell can be excluded or certified.
   [[nodiscard]] virtual std::optional<Bernstein> OnBox(const ParameterBox& box) const = 0;
 
-  /// True where f certainly has no zero between the breaks around the box; cheap, may be false.
+  /// True if f certainly has no zero on the box, which may be of any size; cheap, may be false.
   [[nodiscard]] virtual bool Excludes(const ParameterBox& box) const;
 
   /// Moves points of the zero set, right up to round-off, onto the surface where that is known in
@@ -57,65 +52,30 @@ public:
   virtual void Snap(std::size_t count, double* points) const;
 };
 
-/// f is a polynomial spline with one component.
-class PolynomialField : public ScalarField
-{
-public:
-  /// \param coefficientError bound of the error that each coefficient already has
-  explicit PolynomialField(Spline polynomial, double coefficientError = 0.0);
-
-  void Evaluate(std::size_t count, const double* parameters, double* values) const override;
-  void EvaluateWithGradient(
-    std::size_t count, const double* parameters, double* values, double* gradients) const override;
-  [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
-  [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
-  [[nodiscard]] bool Excludes(const ParameterBox& box) const override;
-
-private:
-  Spline F;
-  double CoefficientError;
-  Evaluator E;
-};
-
-/// f = W (A_c - value) for one component of an attribute (W = 1 where polynomial).
-[[nodiscard]] PolynomialField AttributeField(const Spline& attribute, int component, double value);
-
-/// A function on physical space of degree two: x' A x + b . x + c.
+/// A function of degree two of the components of a spline: x' A x + b . x + c.
 struct Quadric
 {
-  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  Eigen::MatrixXd A; ///< m x m, symmetric; empty where the function is linear (a plane)
+  Eigen::VectorXd b; ///< m
   double c = 0.0;
 
-  [[nodiscard]] bool IsPlane() const { return this->A.isZero(0.0); }
-  [[nodiscard]] double operator()(const Eigen::Vector3d& x) const
-  {
-    return x.dot(this->A * x + this->b) + this->c;
-  }
-  [[nodiscard]] Eigen::Vector3d Gradient(const Eigen::Vector3d& x) const
-  {
-    return (this->A + this->A.transpose()) * x + this->b;
-  }
+  [[nodiscard]] bool IsLinear() const { return this->A.size() == 0; }
+  /// \param x m numbers
+  [[nodiscard]] double Value(const double* x) const;
+  /// \param gradient m numbers
+  void Gradient(const double* x, double* gradient) const;
 };
 
-/// f = W (n . P + c): the slice by a plane. Snap() puts points on the plane to round-off.
-class PlaneField : public PolynomialField
-{
-public:
-  PlaneField(const Spline& geometry, const Quadric& plane);
-  void Snap(std::size_t count, double* points) const override;
-
-private:
-  Quadric Q;
-};
-
-/// f = W^2 q(P): the slice by a sphere, cylinder or other quadric; with an attribute of up to three
-/// components in the place of P, its magnitude: q = |x|^2 - value^2.
+/// f = q(S) for a spline S, the geometry or an attribute (times W or W^2 where rational): slices by
+/// planes, spheres, cylinders and other quadrics; isosurfaces of components and magnitudes.
 class QuadricField : public ScalarField
 {
 public:
-  /// \param isPhysical whether `spline` is the geometry, so that Snap() may move points
-  QuadricField(const Spline& spline, const Quadric& quadric, bool isPhysical);
+  /// \param isPhysical whether the spline is the geometry, so that Snap() may move points: onto a
+  /// plane to round-off, onto another quadric by one step of Newton's
+  /// \throws Error if the sizes of the quadric do not fit
+  QuadricField(std::shared_ptr<const PreparedSpline> spline, Quadric quadric, bool isPhysical);
+  QuadricField(const Spline& spline, Quadric quadric, bool isPhysical);
 
   void Evaluate(std::size_t count, const double* parameters, double* values) const override;
   void EvaluateWithGradient(
@@ -126,17 +86,25 @@ public:
   void Snap(std::size_t count, double* points) const override;
 
 private:
-  Spline S;
+  std::shared_ptr<const PreparedSpline> S;
   Quadric Q;
   bool Physical;
-  Evaluator E;
 };
+
+/// The quadric whose zeros are where one component of an attribute has a value.
+/// \throws Error if there is no such component
+[[nodiscard]] Quadric ComponentEquals(const Spline& attribute, int component, double value);
+
+/// The quadric whose zeros are where the magnitude of an attribute has a value; a negative one is
+/// nowhere.
+[[nodiscard]] Quadric MagnitudeEquals(const Spline& attribute, double value);
 
 /// f = det J of a volume (times W^4 in its Bernstein form where rational).
 class JacobianField : public ScalarField
 {
 public:
   /// \throws Error if the geometry is not a volume of three coordinates
+  explicit JacobianField(std::shared_ptr<const PreparedSpline> geometry);
   explicit JacobianField(const Spline& geometry);
 
   void Evaluate(std::size_t count, const double* parameters, double* values) const override;
@@ -146,8 +114,7 @@ public:
   [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
 
 private:
-  Spline S;
-  Evaluator E;
+  std::shared_ptr<const PreparedSpline> S;
 };
 
 /// f = g(P) for a function g on physical space that can only be sampled.
@@ -158,6 +125,7 @@ public:
   using Function =
     std::function<void(std::size_t count, const double* points, double* values, double* gradients)>;
 
+  SampledField(std::shared_ptr<const PreparedSpline> geometry, Function function);
   SampledField(const Spline& geometry, Function function);
 
   void Evaluate(std::size_t count, const double* parameters, double* values) const override;
@@ -167,9 +135,8 @@ public:
   [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
 
 private:
-  Spline S;
+  std::shared_ptr<const PreparedSpline> S;
   Function G;
-  Evaluator E;
 };
 
 }

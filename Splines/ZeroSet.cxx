@@ -43,12 +43,15 @@ void ZeroSetCertificate::Add(const ZeroSetCertificate& other)
   this->ToleranceReached = this->ToleranceReached && other.ToleranceReached;
 }
 
-ZeroSet::Worker::Worker(const Aggregate& body, const ScalarField& field, ZeroSetOptions options)
-  : Body(body)
+ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const ScalarField& field,
+  ZeroSetOptions options)
+  : Prepared(std::move(prepared))
+  , Body(this->Prepared->Body())
   , Field(field)
   , Options(std::move(options))
-  , Geometry(body.Geometry())
+  , Geometry(this->Prepared->Geometry()->Evaluator())
 {
+  const Aggregate& body = this->Body;
   std::array<std::vector<double>, 3> breaks = field.Breaks();
   const auto add = [&breaks](const Spline& spline)
   {
@@ -59,10 +62,10 @@ ZeroSet::Worker::Worker(const Aggregate& body, const ScalarField& field, ZeroSet
     }
   };
   add(body.Geometry());
-  for (const Attribute& attribute : body.Attributes())
+  for (const auto& attribute : this->Prepared->Attributes())
   {
-    this->Attributes.emplace_back(attribute.Field);
-    add(attribute.Field);
+    this->Attributes.push_back(&attribute->Evaluator());
+    add(attribute->Spline());
   }
   for (int d = 0; d < 3; ++d)
   {
@@ -159,7 +162,13 @@ bool ZeroSet::Worker::Extract()
 }
 
 ZeroSet::ZeroSet(const Aggregate& body, const ScalarField& field, ZeroSetOptions options)
-  : W(std::make_unique<Worker>(body, field, std::move(options)))
+  : ZeroSet(std::make_shared<const PreparedAggregate>(body), field, std::move(options))
+{
+}
+
+ZeroSet::ZeroSet(
+  std::shared_ptr<const PreparedAggregate> body, const ScalarField& field, ZeroSetOptions options)
+  : W(std::make_unique<Worker>(std::move(body), field, std::move(options)))
 {
 }
 

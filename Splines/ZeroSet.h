@@ -94,6 +94,9 @@ class ZeroSet
 public:
   /// Keeps references to `body` and `field`, which must outlive it.
   ZeroSet(const Aggregate& body, const ScalarField& field, ZeroSetOptions options);
+  /// The same with what was prepared for earlier zero sets of the body.
+  ZeroSet(std::shared_ptr<const PreparedAggregate> body, const ScalarField& field,
+    ZeroSetOptions options);
   ~ZeroSet();
 
   /// The grid of the next extraction.

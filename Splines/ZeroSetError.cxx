@@ -146,8 +146,8 @@ void ZeroSet::Worker::MeasureCells(Index begin, Index end, ZeroSetCertificate& c
   {
     if (this->Options.AttributeTolerances[a] > 0.0)
     {
-      attributes[a].resize(this->Attributes[a].Components(), count);
-      this->Attributes[a].Evaluate(
+      attributes[a].resize(this->Attributes[a]->Components(), count);
+      this->Attributes[a]->Evaluate(
         static_cast<std::size_t>(count), at.data(), attributes[a].data());
     }
   }
@@ -205,6 +205,33 @@ void ZeroSet::Worker::MeasureCells(Index begin, Index end, ZeroSetCertificate& c
           tryEdge(2);
         }
       }
+      Eigen::Vector3d sameParameters = Eigen::Vector3d::Zero();
+      for (int k = 0; k < axes; ++k)
+      {
+        const bool ofEdge = k == s % axes || k == (s + 1) % axes;
+        sameParameters[k] = s == 3 ? 1.0 / 3.0 : ofEdge ? 0.5 : 0.0;
+      }
+      Eigen::Vector3d meshPoint = Eigen::Vector3d::Zero();
+      for (int k = 0; k < axes; ++k)
+      {
+        meshPoint += sameParameters[k] * corner(k);
+      }
+      const double displacement = (p - meshPoint).norm();
+      const auto attributeError = [&attributes, this, c, axes](
+                                    std::size_t a, const Eigen::Vector3d& at_, Index sample)
+      {
+        double largest = 0.0;
+        for (Eigen::Index e = 0; e < attributes[a].rows(); ++e)
+        {
+          double difference = attributes[a](e, sample);
+          for (int k = 0; k < axes; ++k)
+          {
+            difference -= at_[k] * this->Mesh.Attributes[a](e, this->Mesh.Cells(k, c));
+          }
+          largest = std::max(largest, std::abs(difference));
+        }
+        return largest;
+      };
       certificate.LargestError = std::max(certificate.LargestError, error);
       worst = std::max(worst, error / this->Options.Tolerance);
       for (std::size_t a = 0; a < attributes.size(); ++a)
@@ -214,12 +241,13 @@ void ZeroSet::Worker::MeasureCells(Index begin, Index end, ZeroSetCertificate& c
         {
           continue;
         }
-        Eigen::VectorXd difference = attributes[a].col(q);
-        for (int k = 0; k < axes; ++k)
+        // Against the linear value at the nearest point of the mesh; where a fold makes that
+        // another branch of the map, at the mesh point of the same parameters, if that is near.
+        double ratio = attributeError(a, weights, q) / tolerance;
+        if (ratio > 1.0 && displacement <= this->Options.Tolerance)
         {
-          difference -= weights[k] * this->Mesh.Attributes[a].col(this->Mesh.Cells(k, c));
+          ratio = std::min(ratio, attributeError(a, sameParameters, q) / tolerance);
         }
-        const double ratio = difference.cwiseAbs().maxCoeff() / tolerance;
         certificate.LargestAttributeError = std::max(certificate.LargestAttributeError, ratio);
         worst = std::max(worst, ratio);
       }

@@ -19,7 +19,7 @@ bool ZeroSet::Worker::EvaluateVertices()
   this->Mesh.Attributes.resize(this->Attributes.size());
   for (std::size_t a = 0; a < this->Attributes.size(); ++a)
   {
-    this->Mesh.Attributes[a].resize(this->Attributes[a].Components(), count);
+    this->Mesh.Attributes[a].resize(this->Attributes[a]->Components(), count);
   }
   return this->Parallel(count, Batch,
     [&](Index begin, Index end)
@@ -36,7 +36,7 @@ bool ZeroSet::Worker::EvaluateVertices()
       this->Field.Snap(n, this->Mesh.Points.col(begin).data());
       for (std::size_t a = 0; a < this->Attributes.size(); ++a)
       {
-        this->Attributes[a].Evaluate(n, parameters, this->Mesh.Attributes[a].col(begin).data());
+        this->Attributes[a]->Evaluate(n, parameters, this->Mesh.Attributes[a].col(begin).data());
       }
       for (Index i = 0; i < end - begin; ++i)
       {

@@ -13,6 +13,9 @@ namespace hyperpatch
 namespace
 {
 
+/// Elements are searched in blocks of so many in each direction.
+constexpr int BlockSize = 8;
+
 /// What two parameters must differ by to be told apart after a sum or product.
 double Resolution(double a, double b)
 {
@@ -206,32 +209,45 @@ void ZeroSet::Worker::SignCells(const std::vector<Cell>& cells, bool certified, 
   }
 }
 
-void ZeroSet::Worker::SearchElement(const Cell& element, Found& found) const
+void ZeroSet::Worker::SearchElements(const Cell& low, const Cell& high, Found& found) const
 {
   ParameterBox box{};
-  Cell low{};
-  Cell high{};
+  std::size_t widest = 0;
   for (std::size_t d = 0; d < 3; ++d)
   {
-    const std::vector<double>& breaks = this->Grid.Breaks[d];
-    const auto e = static_cast<std::size_t>(element[d]);
-    box.Low[d] = breaks[e];
-    box.High[d] = breaks[e + 1];
-    if (!this->Grid.Counts[d].empty())
-    {
-      const auto& lines = this->IntervalOfLine[d];
-      low[d] = static_cast<int>(
-        std::lower_bound(lines.begin(), lines.end() - 1, element[d]) - lines.begin());
-      high[d] = low[d] + this->Grid.Counts[d][e];
-    }
-    else
-    {
-      high[d] = 1;
-    }
+    box.Low[d] = this->Grid.Breaks[d][static_cast<std::size_t>(low[d])];
+    box.High[d] = this->Grid.Breaks[d][static_cast<std::size_t>(high[d])];
+    widest = high[d] - low[d] > high[widest] - low[widest] ? d : widest;
   }
   if (this->Field.Excludes(box))
   {
     return;
+  }
+  if (high[widest] - low[widest] == 1)
+  {
+    this->SearchElement(low, box, found);
+    return;
+  }
+  Cell middle = high;
+  middle[widest] = (low[widest] + high[widest]) / 2;
+  this->SearchElements(low, middle, found);
+  Cell begin = low;
+  begin[widest] = middle[widest];
+  this->SearchElements(begin, high, found);
+}
+
+void ZeroSet::Worker::SearchElement(
+  const Cell& element, const ParameterBox& box, Found& found) const
+{
+  Cell low{};
+  Cell high{ 1, 1, 1 };
+  for (int d : this->Axes)
+  {
+    const auto D = static_cast<std::size_t>(d);
+    const auto& lines = this->IntervalOfLine[D];
+    low[D] = static_cast<int>(
+      std::lower_bound(lines.begin(), lines.end() - 1, element[D]) - lines.begin());
+    high[D] = low[D] + this->Grid.Counts[D][static_cast<std::size_t>(element[D])];
   }
   std::vector<Cell> cells;
   const auto f = this->Field.OnBox(box);
@@ -262,23 +278,29 @@ bool ZeroSet::Worker::FindCrossings()
   {
     elements[d] = std::max<Index>(1, static_cast<Index>(this->Grid.Counts[d].size()));
   }
-  const Index count = elements[0] * elements[1] * elements[2];
-  // Chunks are many enough for any number of threads; their order makes the result one and the
+  // Blocks are many enough for any number of threads; their order makes the result one and the
   // same.
-  const Index chunk = std::clamp<Index>(count / 256, 1, 4096);
-  std::vector<Found> found(static_cast<std::size_t>((count + chunk - 1) / chunk));
+  Cell blocks{};
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    blocks[d] = static_cast<int>((elements[d] + BlockSize - 1) / BlockSize);
+  }
+  std::vector<Found> found(static_cast<std::size_t>(blocks[0]) *
+    static_cast<std::size_t>(blocks[1]) * static_cast<std::size_t>(blocks[2]));
   if (!this->Parallel(static_cast<Index>(found.size()), 1,
         [&](Index begin, Index end)
         {
-          for (Index c = begin; c < end; ++c)
+          for (Index b = begin; b < end; ++b)
           {
-            for (Index e = c * chunk; e < std::min(count, (c + 1) * chunk); ++e)
+            Cell low{ static_cast<int>(b % blocks[0]), static_cast<int>(b / blocks[0] % blocks[1]),
+              static_cast<int>(b / blocks[0] / blocks[1]) };
+            Cell high{};
+            for (std::size_t d = 0; d < 3; ++d)
             {
-              this->SearchElement({ static_cast<int>(e % elements[0]),
-                                    static_cast<int>(e / elements[0] % elements[1]),
-                                    static_cast<int>(e / (elements[0] * elements[1])) },
-                found[static_cast<std::size_t>(c)]);
+              low[d] *= BlockSize;
+              high[d] = std::min(low[d] + BlockSize, static_cast<int>(elements[d]));
             }
+            this->SearchElements(low, high, found[static_cast<std::size_t>(b)]);
           }
         }))
   {

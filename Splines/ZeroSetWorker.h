@@ -17,7 +17,8 @@ public:
   using Index = std::int64_t;
   using Cell = std::array<int, 3>; ///< indices of its low corner among the grid lines
 
-  Worker(const Aggregate& body, const ScalarField& field, ZeroSetOptions options);
+  Worker(std::shared_ptr<const PreparedAggregate> body, const ScalarField& field,
+    ZeroSetOptions options);
 
   bool Extract();
 
@@ -62,7 +63,8 @@ private:
 
   // Steps of Extract(), in order.
   bool FindCrossings();
-  void SearchElement(const Cell& element, Found& found) const;
+  void SearchElements(const Cell& low, const Cell& high, Found& found) const;
+  void SearchElement(const Cell& element, const ParameterBox& box, Found& found) const;
   void SearchBox(
     Cell low, Cell high, const Bernstein& f, std::vector<Cell>& cells, Found& found) const;
   void SignCells(const std::vector<Cell>& cells, bool certified, Found& found) const;
@@ -99,11 +101,12 @@ private:
   void Want(
     const Cell& at, double factor, std::array<std::vector<int>, 3>& wanted, bool& reached) const;
 
+  std::shared_ptr<const PreparedAggregate> Prepared;
   const Aggregate& Body;
   const ScalarField& Field;
   ZeroSetOptions Options;
-  Evaluator Geometry;
-  std::vector<Evaluator> Attributes;
+  const Evaluator& Geometry;
+  std::vector<const Evaluator*> Attributes;
   std::vector<int> Axes; ///< the directions that are there
   std::array<std::vector<double>, 3> Lines;
   std::array<std::vector<int>, 3> IntervalOfLine;

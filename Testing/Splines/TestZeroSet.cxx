@@ -64,19 +64,12 @@ Spline UnitBox(int degree, int size)
 
 Quadric Sphere(const Eigen::Vector3d& centre, double radius)
 {
-  Quadric q;
-  q.A.setIdentity();
-  q.b = -2.0 * centre;
-  q.c = centre.squaredNorm() - radius * radius;
-  return q;
+  return { Eigen::Matrix3d::Identity(), -2.0 * centre, centre.squaredNorm() - radius * radius };
 }
 
 Quadric Plane(const Eigen::Vector3d& normal, double offset)
 {
-  Quadric q;
-  q.b = normal;
-  q.c = -offset;
-  return q;
+  return { Eigen::MatrixXd(), normal, -offset };
 }
 
 double Area(const ZeroSetMesh& mesh)
@@ -214,7 +207,7 @@ TEST(ZeroSet, PlaneThroughAQuarterTubeHasTheExactArea)
 {
   const Aggregate body(models::QuarterTube());
   const Eigen::Vector3d normal(0.0, 0.0, 1.0);
-  const PlaneField field(body.Geometry(), Plane(normal, 0.3));
+  const QuadricField field(body.Geometry(), Plane(normal, 0.3), true);
   double previous = 1.0;
   for (double tolerance : { 1e-2, 1e-3, 1e-4 })
   {
@@ -267,7 +260,7 @@ TEST(ZeroSet, AttributeOfAnotherBasisIsCarriedWithinItsTolerance)
   const Aggregate body(models::QuarterTube(), { temperature });
   ZeroSetOptions options = WithTolerance(1e-2);
   options.AttributeTolerances = { 0.01 };
-  const PlaneField plane(body.Geometry(), Plane({ 0.2, 0.1, 1.0 }, 0.7));
+  const QuadricField plane(body.Geometry(), Plane({ 0.2, 0.1, 1.0 }, 0.7), true);
   const Result r = Extract(body, plane, options);
   ASSERT_GT(r.Mesh.Cells.cols(), 0);
   EXPECT_TRUE(r.Certificate.ToleranceReached);
@@ -318,7 +311,7 @@ TEST(ZeroSet, OpenEdgesLieOnTheDomainFaces)
     const Spline attribute = models::RandomSpline(random, { k, k, k }, 1, seed % 3 == 0);
     const Spline geometry = Box({ k, k, k });
     const Aggregate body(geometry, { { "A", attribute } });
-    const PolynomialField field = AttributeField(attribute, 0, 0.05);
+    const QuadricField field(attribute, ComponentEquals(attribute, 0, 0.05), false);
     const Result r = Extract(body, field, WithTolerance(2e-2 * (k.Last() - k.First())));
     const Topology topology = Inspect(r.Mesh);
     EXPECT_TRUE(topology.Oriented);
@@ -345,7 +338,7 @@ TEST(ZeroSet, ZerosExactlyOnKnotPlanesGiveOneSheet)
   const Aggregate body(Box({ k, k, k }));
   for (double offset : { 0.25, 0.5 })
   {
-    const PlaneField field(body.Geometry(), Plane({ 1, 0, 0 }, offset));
+    const QuadricField field(body.Geometry(), Plane({ 1, 0, 0 }, offset), true);
     const Result r = Extract(body, field, WithTolerance(1e-3));
     EXPECT_NEAR(Area(r.Mesh), 1.0, 1e-14);
     EXPECT_TRUE(Inspect(r.Mesh).Oriented);
@@ -356,8 +349,8 @@ TEST(ZeroSet, ZerosExactlyOnKnotPlanesGiveOneSheet)
 TEST(ZeroSet, TheRangeThatMissesIsEmptyAndCertain)
 {
   const Aggregate body(UnitBox(3, 8));
-  const Result r =
-    Extract(body, PlaneField(body.Geometry(), Plane({ 1, 1, 1 }, 3.01)), WithTolerance(1e-3));
+  const Result r = Extract(
+    body, QuadricField(body.Geometry(), Plane({ 1, 1, 1 }, 3.01), true), WithTolerance(1e-3));
   EXPECT_EQ(r.Mesh.Cells.cols(), 0);
   EXPECT_EQ(r.Mesh.Points.cols(), 0);
   EXPECT_EQ(r.Certificate.UndecidedCells, 0);
@@ -415,7 +408,8 @@ TEST(ZeroSet, LeftHandedPatchesKeepTheSameSide)
   const Aggregate body(Spline(geometry.Knots(), mirrored, geometry.Weights()));
   ZeroSetOptions options = WithTolerance(1e-2);
   options.Handedness = -1;
-  const Result r = Extract(body, PlaneField(body.Geometry(), Plane({ 0, 1, 0.1 }, 0.4)), options);
+  const Result r =
+    Extract(body, QuadricField(body.Geometry(), Plane({ 0, 1, 0.1 }, 0.4), true), options);
   ASSERT_GT(r.Mesh.Cells.cols(), 0);
   const Eigen::Vector3d up = Eigen::Vector3d(0, 1, 0.1).normalized();
   for (Eigen::Index c = 0; c < r.Mesh.Cells.cols(); ++c)
@@ -445,8 +439,8 @@ TEST(ZeroSet, SurfacesGiveSegmentsAndCurvesPoints)
   EXPECT_NEAR(length, 2 * std::acos(-1.0) * 0.4, 0.02);
 
   const Aggregate curve(Box({ k, KnotVector(), KnotVector() }));
-  const Result point =
-    Extract(curve, PlaneField(curve.Geometry(), Plane({ 1, 0, 0 }, 0.37)), WithTolerance(1e-3));
+  const Result point = Extract(
+    curve, QuadricField(curve.Geometry(), Plane({ 1, 0, 0 }, 0.37), true), WithTolerance(1e-3));
   ASSERT_EQ(point.Mesh.Cells.rows(), 1);
   ASSERT_EQ(point.Mesh.Cells.cols(), 1);
   EXPECT_NEAR(point.Mesh.Points(0, 0), 0.37, 1e-15);
@@ -458,7 +452,7 @@ TEST(ZeroSet, ThreadsDoNotChangeTheResult)
   const KnotVector k = KnotVector::Uniform(3, 9);
   const Spline attribute = models::RandomSpline(random, { k, k, k }, 1, true);
   const Aggregate body(Box({ k, k, k }), { { "A", attribute } });
-  const PolynomialField field = AttributeField(attribute, 0, 0.0);
+  const QuadricField field(attribute, ComponentEquals(attribute, 0, 0.0), false);
   ZeroSetOptions serial = WithTolerance(2e-2);
   ZeroSetOptions threaded = serial;
   threaded.For = [](std::ptrdiff_t count, std::ptrdiff_t grain,
@@ -498,8 +492,9 @@ TEST(ZeroSet, AbortStopsTheWork)
 TEST(ScalarField, RefusesWhatItCannotBe)
 {
   const Spline tube = models::QuarterTube();
-  EXPECT_THROW(PolynomialField{ tube }, Error);
-  EXPECT_THROW((void)AttributeField(tube, 3, 0.0), Error);
+  EXPECT_THROW((void)ComponentEquals(tube, 3, 0.0), Error);
+  EXPECT_THROW(
+    QuadricField(tube, { Eigen::MatrixXd(), Eigen::VectorXd::Ones(2), 0.0 }, true), Error);
   const Spline sheet = Box({ KnotVector::Uniform(2, 3), KnotVector::Uniform(2, 3), KnotVector() });
   EXPECT_THROW(JacobianField{ sheet }, Error);
 }
@@ -510,10 +505,10 @@ TEST(ScalarField, GradientsAreThoseOfTheValues)
   const KnotVector k = KnotVector::Uniform(3, 5);
   const Spline geometry = models::RandomSpline(random, { k, k, k }, 3, true);
   Quadric q = Sphere({ 0.1, 0.2, -0.1 }, 0.3);
-  q.A(0, 1) = 0.4;
+  q.A(0, 1) = q.A(1, 0) = 0.2;
   const QuadricField quadric(geometry, q, true);
   const JacobianField jacobian(geometry);
-  const PlaneField plane(geometry, Plane({ 1, -2, 0.5 }, 0.1));
+  const QuadricField plane(geometry, Plane({ 1, -2, 0.5 }, 0.1), true);
   for (const ScalarField* field :
     std::initializer_list<const ScalarField*>{ &quadric, &jacobian, &plane })
   {
