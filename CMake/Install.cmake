@@ -5,6 +5,8 @@ include(CMakePackageConfigHelpers)
 set(hyperpatch_find_static_dependencies)
 if (NOT BUILD_SHARED_LIBS)
   set(hyperpatch_find_static_dependencies "find_dependency(pugixml)\n")
+  # Static libraries name what they link privately.
+  install(TARGETS HyperpatchOptions EXPORT Hyperpatch)
 endif ()
 
 set(hyperpatch_find_vtk)

@@ -56,7 +56,8 @@ simple.SaveScreenshot(os.path.join(arguments.folder, 'picture.png'), view)
 
 if arguments.state:
     simple.SaveState(arguments.state)
-    # The state names its file relative to itself; ParaView may be told another when it loads.
+    # A path that does not depend on the machine; LoadState(data_directory=...), or File > Load State
+    # > Search files under specified directory, finds the file wherever it is.
     with open(arguments.state, encoding='utf-8') as file:
         state = file.read()
     relative = os.path.relpath(data, os.path.dirname(os.path.abspath(arguments.state)))

@@ -11,6 +11,7 @@
 
 #include "vtkActor.h"
 #include "vtkCamera.h"
+#include "vtkColorTransferFunction.h"
 #include "vtkDataArray.h"
 #include "vtkNew.h"
 #include "vtkPNGWriter.h"
@@ -65,6 +66,10 @@ int main(int argc, char* argv[])
     ->GetPointData()
     ->GetArray("Temperature")
     ->GetRange(range);
+  vtkNew<vtkColorTransferFunction> colors;
+  colors->SetColorSpaceToDiverging();
+  colors->AddRGBPoint(range[0], 0.23, 0.30, 0.75);
+  colors->AddRGBPoint(range[1], 0.71, 0.02, 0.15);
   const auto writeAndShow = [&](vtkAlgorithm* filter, const std::string& name, double opacity)
   {
     vtkNew<vtkXMLPolyDataWriter> writer;
@@ -75,7 +80,7 @@ int main(int argc, char* argv[])
     mapper->SetInputConnection(filter->GetOutputPort());
     mapper->SetScalarModeToUsePointFieldData();
     mapper->SelectColorArray("Temperature");
-    mapper->SetScalarRange(range);
+    mapper->SetLookupTable(colors);
     vtkNew<vtkActor> actor;
     actor->SetMapper(mapper);
     actor->GetProperty()->SetOpacity(opacity);

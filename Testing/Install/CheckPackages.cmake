@@ -20,10 +20,14 @@ function (check_contents package list)
   endforeach ()
 endfunction ()
 
+# The archive is unpacked, for tests that run what it holds.
 file(GLOB archive "${FOLDER}/*.tar.gz")
 execute_process(COMMAND "${CMAKE_COMMAND}" -E tar tf "${archive}" OUTPUT_VARIABLE list
   COMMAND_ERROR_IS_FATAL ANY)
 check_contents("${archive}" "${list}")
+file(ARCHIVE_EXTRACT INPUT "${archive}" DESTINATION "${FOLDER}")
+string(REGEX REPLACE "\\.tar\\.gz$" "" unpacked "${archive}")
+file(RENAME "${unpacked}" "${FOLDER}/unpacked")
 
 if (DPKG_DEB)
   file(GLOB package "${FOLDER}/*.deb")
