@@ -11,6 +11,9 @@
  * and all ranks have the same list. Input that vtkNURBSTessellate refuses gives its error message
  * and nothing to draw.
  *
+ * The lines that the tessellation makes with KnotLines are kept apart, see GetKnotLines(). The
+ * surface has no vtkOriginalCellIds: its triangles come from no cell of the lattice.
+ *
  * Whether there are splines is asked of all ranks: one that has no patch takes part all the same.
  *
  * @sa vtkNURBSTessellate, vtkNURBSSolidRepresentation
@@ -19,8 +22,9 @@
 #define vtkNURBSGeometryFilter_h
 
 #include "vtkNURBSRepresentationModule.h" // for the export macro
-#include "vtkNew.h"                       // for the tessellation
+#include "vtkNew.h"                       // for the tessellation and its lines
 #include "vtkPVGeometryFilter.h"
+#include "vtkPolyData.h" // for the lines
 
 class vtkNURBSTessellate;
 
@@ -31,8 +35,12 @@ public:
   vtkTypeMacro(vtkNURBSGeometryFilter, vtkPVGeometryFilter)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /// Holds the tolerances.
+  /// Holds the tolerances, and whether there are knot lines.
   vtkNURBSTessellate* GetTessellation() { return this->Tessellation; }
+
+  /// The knot lines of the last output, without arrays; no cells if none were asked for or the
+  /// input was no lattice.
+  vtkPolyData* GetKnotLines() { return this->KnotLines; }
 
   /// Also that of the tessellation.
   vtkMTimeType GetMTime() override;
@@ -51,6 +59,7 @@ private:
   bool AnyRankHasSplines(vtkDataObject* input);
 
   vtkNew<vtkNURBSTessellate> Tessellation;
+  vtkNew<vtkPolyData> KnotLines;
 };
 
 #endif

@@ -15,7 +15,7 @@ vtkPVArrayInformation* vtkSMNURBSRepresentationProxy::GetArrayInformationForColo
   bool checkRepresentedData)
 {
   const std::string style = vtkSMPropertyHelper(this, "Representation").GetAsString();
-  if (style == "NURBS Solid" && this->GetUsingScalarColoring())
+  if (style.rfind("NURBS Solid", 0) == 0 && this->GetUsingScalarColoring())
   {
     // What is drawn may be out of date, or nothing yet. An update of the view asks for ranges
     // again.

@@ -69,6 +69,45 @@ class NURBSSolid(unittest.TestCase):
             cells.append(information.GetNumberOfCells())
         self.assertLess(4 * cells[0], cells[1])
 
+    def edges(self):
+        """Which pixels have the colour of edges, magenta."""
+        picture = common.pixels(self.view).astype(int)
+        return (abs(picture - [255, 0, 255]) < 8).all(axis=2)
+
+    def test_edges_are_knot_lines(self):
+        solid = common.silhouette(self.view)
+        self.display.Representation = 'NURBS Solid With Edges'
+        self.display.EdgeColor = [1, 0, 1]
+        self.display.LineWidth = 2
+        # Edges of triangles would be more with a finer tolerance, those of the lattice outside.
+        coarse = self.edges()
+        self.display.SolidTolerance = 1e-5
+        fine = self.edges()
+        self.assertGreater(coarse.sum(), 1000)
+        self.assertLess(abs(int(fine.sum()) - int(coarse.sum())), 0.1 * coarse.sum())
+        grown = solid.copy()
+        for axis in (0, 1):
+            for step in (-2, -1, 1, 2):
+                grown |= numpy.roll(solid, step, axis)
+        self.assertEqual((fine & ~grown).sum(), 0)
+        # They go where the solid goes.
+        self.display.Position = [0.3, 0, 0]
+        self.assertGreater((self.edges() & ~fine).sum(), 0.5 * fine.sum())
+        self.display.Representation = 'NURBS Solid'
+        self.assertEqual(self.edges().sum(), 0)
+        self.display.Representation = 'NURBS Solid With Edges'
+        simple.Hide(self.model, self.view)
+        self.assertEqual(self.edges().sum(), 0)
+
+    def test_a_selection_passes_through_the_solid(self):
+        for style, count in (('NURBS Solid', 0), ('Surface', 1)):
+            self.display.Representation = style
+            simple.Render(self.view)
+            simple.SelectSurfaceCells(Rectangle=[150, 100, 250, 200], View=self.view)
+            selections = self.model.SMProxy.GetSelectionInput(0)
+            self.assertEqual(selections is not None, count == 1, style)
+            simple.ClearSelection(self.model)
+
     def test_other_data_is_shown_as_it_is(self):
         simple.Hide(self.model, self.view)
         wavelet = simple.Wavelet()
@@ -76,10 +115,12 @@ class NURBSSolid(unittest.TestCase):
         display = simple.Show(grid, self.view)
         simple.ResetCamera(self.view)
         pictures = []
-        for style in ('Surface', 'NURBS Solid'):
+        for style in ('Surface', 'NURBS Solid', 'Surface With Edges', 'NURBS Solid With Edges'):
             display.Representation = style
             pictures.append(common.pixels(self.view))
         self.assertEqual((pictures[0] != pictures[1]).sum(), 0)
+        self.assertEqual((pictures[2] != pictures[3]).sum(), 0)
+        self.assertGreater((pictures[0] != pictures[2]).sum(), 1000)
         self.assertGreater((pictures[0] != 255).sum(), 5000)
 
     def test_a_changed_lattice_gives_an_error_and_an_empty_picture(self):
