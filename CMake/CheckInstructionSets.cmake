@@ -6,7 +6,7 @@
 # the linker for the whole library, which then stops on processors without these instructions.
 set(checked 0)
 foreach (object IN LISTS OBJECTS)
-  if (NOT object MATCHES "EvaluatorAVX")
+  if (NOT object MATCHES "(Evaluator|Determinant)AVX")
     continue ()
   endif ()
   execute_process(COMMAND "${NM}" --defined-only --extern-only "${object}"
@@ -18,7 +18,7 @@ foreach (object IN LISTS OBJECTS)
     message(FATAL_ERROR "${object} defines a symbol that may replace the baseline's copy:\n"
       "${CMAKE_MATCH_0}\nGive it internal linkage.")
   endif ()
-  if (NOT symbols MATCHES "EvaluatorAVX")
+  if (NOT symbols MATCHES "(Evaluator|Determinant)AVX")
     message(FATAL_ERROR "${object} does not define its table of kernels")
   endif ()
   math(EXPR checked "${checked} + 1")
