@@ -91,6 +91,24 @@ BezierBox OnBezierBox(const Spline& spline, const ParameterBox& box)
   return result;
 }
 
+ParameterBox Domain(const Spline& spline)
+{
+  ParameterBox box{};
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    box.Low[d] = spline.Knots()[d].First();
+    box.High[d] = spline.Knots()[d].Last();
+  }
+  return box;
+}
+
+/// How many ulp of its largest control point a value may be off.
+double Operations(const Spline& spline)
+{
+  const auto p = spline.Degrees();
+  return 4.0 + 2.0 * (p[0] + p[1] + p[2]);
+}
+
 }
 
 ScalarField::~ScalarField() = default;
@@ -98,6 +116,11 @@ ScalarField::~ScalarField() = default;
 bool ScalarField::Excludes(const ParameterBox& /*box*/) const
 {
   return false;
+}
+
+double ScalarField::Noise() const
+{
+  return 0.0;
 }
 
 void ScalarField::Snap(std::size_t /*count*/, double* /*points*/) const {}
@@ -136,8 +159,8 @@ Quadric ComponentEquals(const Spline& attribute, int component, double value)
 {
   if (component < 0 || component >= attribute.Components())
   {
-    throw Error("component " + std::to_string(component) + " is not one of the attribute's " +
-      std::to_string(attribute.Components()));
+    throw hyperpatch::Error("component " + std::to_string(component) +
+      " is not one of the attribute's " + std::to_string(attribute.Components()));
   }
   return { Eigen::MatrixXd(), Eigen::VectorXd::Unit(attribute.Components(), component), -value };
 }
@@ -159,8 +182,20 @@ QuadricField::QuadricField(
   if (this->Q.b.size() != m ||
     (!this->Q.IsLinear() && (this->Q.A.rows() != m || this->Q.A.cols() != m)))
   {
-    throw Error("the quadric is not one of " + std::to_string(m) + " components");
+    throw hyperpatch::Error("the quadric is not one of " + std::to_string(m) + " components");
   }
+  // Values are right to a few ulp per degree of the control points' magnitude; so are the terms.
+  const ParameterBox all = Domain(this->S->Spline());
+  Eigen::VectorXd low(m);
+  Eigen::VectorXd high(m);
+  this->S->Bounds().Find(all, low.data(), high.data());
+  const Eigen::VectorXd largest = low.cwiseAbs().cwiseMax(high.cwiseAbs());
+  double terms = std::abs(this->Q.c) + this->Q.b.cwiseAbs().dot(largest);
+  if (!this->Q.IsLinear())
+  {
+    terms += 2.0 * largest.dot(this->Q.A.cwiseAbs() * largest);
+  }
+  this->Error = UnitRoundoff * Operations(this->S->Spline()) * terms;
 }
 
 QuadricField::QuadricField(const Spline& spline, Quadric quadric, bool isPhysical)
@@ -261,11 +296,12 @@ std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
   {
     coefficients.array() += constant;
   }
-  const Bernstein linear(degrees, std::move(coefficients), error);
   if (this->Q.IsLinear())
   {
-    return linear;
+    // Decisions here and at corners, where Evaluate() counts, must not contradict each other.
+    return Bernstein(degrees, std::move(coefficients), error + this->Error * largestWeight);
   }
+  const Bernstein linear(degrees, std::move(coefficients), error);
 
   const Bernstein weight = rational ? Bernstein(degrees, points.row(m).transpose(), bezier.Error)
                                     : Bernstein(degrees, Eigen::VectorXd::Ones(points.cols()));
@@ -286,7 +322,8 @@ std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
       }
     }
   }
-  return sum;
+  return Bernstein(sum.Degrees(), sum.Coefficients(),
+    sum.RoundingBound() + this->Error * largestWeight * largestWeight);
 }
 
 bool QuadricField::Excludes(const ParameterBox& box) const
@@ -385,8 +422,26 @@ JacobianField::JacobianField(std::shared_ptr<const PreparedSpline> geometry)
 {
   if (this->S->Spline().Components() != 3 || this->S->Spline().Dimension() != 3)
   {
-    throw Error("the Jacobian determinant needs a volume with three coordinates");
+    throw hyperpatch::Error("the Jacobian determinant needs a volume with three coordinates");
   }
+  // Derivatives are differences of control points over knot differences.
+  const Spline& spline = this->S->Spline();
+  const Eigen::MatrixXd& points = spline.Coefficients();
+  const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  const double magnitude = points.cwiseAbs().maxCoeff();
+  const double weights =
+    spline.IsRational() ? spline.Weights().maxCoeff() / spline.Weights().minCoeff() : 1.0;
+  double slopes = 1.0;
+  for (const KnotVector& knots : spline.Knots())
+  {
+    double shortest = knots.Last() - knots.First();
+    for (const int span : knots.Spans())
+    {
+      shortest = std::min(shortest, knots[span + 1] - knots[span]);
+    }
+    slopes *= knots.Degree() / shortest;
+  }
+  this->Error = UnitRoundoff * Operations(spline) * weights * slopes * size * size * magnitude;
 }
 
 JacobianField::JacobianField(const Spline& geometry)
@@ -463,7 +518,7 @@ SampledField::SampledField(std::shared_ptr<const PreparedSpline> geometry, Funct
 {
   if (this->S->Spline().Components() != 3)
   {
-    throw Error("a function on physical space needs a geometry with three coordinates");
+    throw hyperpatch::Error("a function on physical space needs a geometry with three coordinates");
   }
 }
 

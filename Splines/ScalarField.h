@@ -47,6 +47,10 @@ public:
   /// True if f certainly has no zero on the box, which may be of any size; cheap, may be false.
   [[nodiscard]] virtual bool Excludes(const ParameterBox& box) const;
 
+  /// What |f| may be where f is zero, by round-off of Evaluate(): values below it count as zero, so
+  /// that a surface which lies in a face or knot plane is that plane and no noise about it.
+  [[nodiscard]] virtual double Noise() const;
+
   /// Moves points of the zero set, right up to round-off, onto the surface where that is known in
   /// physical space. \param points 3 x count
   virtual void Snap(std::size_t count, double* points) const;
@@ -83,12 +87,14 @@ public:
   [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
   [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
   [[nodiscard]] bool Excludes(const ParameterBox& box) const override;
+  [[nodiscard]] double Noise() const override { return this->Error; }
   void Snap(std::size_t count, double* points) const override;
 
 private:
   std::shared_ptr<const PreparedSpline> S;
   Quadric Q;
   bool Physical;
+  double Error; ///< of Evaluate()
 };
 
 /// The quadric whose zeros are where one component of an attribute has a value.
@@ -112,9 +118,11 @@ public:
     std::size_t count, const double* parameters, double* values, double* gradients) const override;
   [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
   [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
+  [[nodiscard]] double Noise() const override { return this->Error; }
 
 private:
   std::shared_ptr<const PreparedSpline> S;
+  double Error; ///< of Evaluate()
 };
 
 /// f = g(P) for a function g on physical space that can only be sampled.

@@ -49,6 +49,7 @@ ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const
   , Body(this->Prepared->Body())
   , Field(field)
   , Options(std::move(options))
+  , Noise(field.Noise())
   , Geometry(this->Prepared->Geometry()->Evaluator())
 {
   const Aggregate& body = this->Body;

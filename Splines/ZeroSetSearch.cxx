@@ -71,9 +71,11 @@ bool ZeroSet::Worker::IsUndecided(const Bernstein& f) const
     high = std::max(high, f.Coefficients()[i]);
   }
   const double noise = f.RoundingBound();
-  // A surface through a corner, up to round-off, is drawn by the cells on its other side.
+  // A surface through a corner, up to round-off, is drawn by the cells on its other side; but where
+  // f is zero all over the cell nothing is.
+  const bool everywhere = f.Min() >= -noise && f.Max() <= noise;
   const bool throughCorner =
-    (f.Min() >= -noise && low <= noise) || (f.Max() <= noise && high >= -noise);
+    !everywhere && ((f.Min() >= -noise && low <= noise) || (f.Max() <= noise && high >= -noise));
   const bool signChange = low < 0.0 && high >= 0.0;
   return !throughCorner && !signChange &&
     !this->IsExcluded(f, 2 * static_cast<int>(this->Axes.size()));
@@ -114,7 +116,8 @@ void ZeroSet::Worker::SearchBox(
     if (this->IsUndecided(f))
     {
       ++found.Undecided;
-      if (this->Width(low) > this->Options.FeatureSize)
+      const bool plateau = f.Min() >= -f.RoundingBound() && f.Max() <= f.RoundingBound();
+      if (!plateau && this->Width(low) > this->Options.FeatureSize)
       {
         found.Wide.push_back(low);
       }
@@ -163,6 +166,10 @@ void ZeroSet::Worker::SignCells(const std::vector<Cell>& cells, bool certified, 
     }
     values.resize(parameters.size() / 3);
     this->Field.Evaluate(values.size(), parameters.data(), values.data());
+    for (double& value : values)
+    {
+      value = std::abs(value) <= this->Noise ? 0.0 : value;
+    }
     for (Index i = first; i < last; ++i)
     {
       const Cell& at = cells[static_cast<std::size_t>(i)];

@@ -105,6 +105,7 @@ private:
   const Aggregate& Body;
   const ScalarField& Field;
   ZeroSetOptions Options;
+  double Noise; ///< of the field
   const Evaluator& Geometry;
   std::vector<const Evaluator*> Attributes;
   std::vector<int> Axes; ///< the directions that are there

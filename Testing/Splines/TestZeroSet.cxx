@@ -537,3 +537,57 @@ TEST(ScalarField, GradientsAreThoseOfTheValues)
     }
   }
 }
+
+TEST(ZeroSet, PlanesInFacesAndKnotPlanesOfTurnedBoxesAreThosePlanes)
+{
+  const KnotVector k(2, { 0, 0, 0, 0.25, 0.5, 0.5, 1, 1, 1 });
+  const Spline box = Box({ k, k, k });
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int seed = 0; seed < 20; ++seed)
+  {
+    const Eigen::Matrix3d turn =
+      Eigen::Quaterniond(unit(random), unit(random), unit(random), unit(random))
+        .normalized()
+        .toRotationMatrix();
+    const Eigen::Vector3d shift(unit(random), unit(random), unit(random));
+    const Eigen::MatrixXd turned = (turn * box.Coefficients()).colwise() + shift;
+    const Aggregate body(Spline(box.Knots(), turned));
+    for (double height : { 0.0, 0.25, 0.5, 1.0 })
+    {
+      for (double side : { 1.0, -1.0 })
+      {
+        const Eigen::Vector3d normal = side * turn.col(seed % 3);
+        Eigen::Vector3d origin = Eigen::Vector3d::Unit(seed % 3) * height;
+        origin = turn * origin + shift;
+        const Result r =
+          Extract(body, QuadricField(body.Geometry(), Plane(normal, normal.dot(origin)), true),
+            WithTolerance(1e-3));
+        // In a face of the domain it depends on the side whether the face is drawn, but not on
+        // round-off: all of it or nothing.
+        const bool outside = side > 0.0 ? height == 0.0 : height == 1.0;
+        EXPECT_NEAR(Area(r.Mesh), outside ? 0.0 : 1.0, 1e-12);
+        EXPECT_LE(r.Mesh.Cells.cols(), 18);
+        EXPECT_TRUE(r.Certificate.ToleranceReached);
+      }
+    }
+  }
+}
+
+TEST(ZeroSet, APlateauIsCountedAndEndsInBoundedTime)
+{
+  // Zero on [0, 1/4] in u, then growing.
+  const KnotVector k(1, { 0, 0, 0.25, 0.5, 0.75, 1, 1 });
+  const KnotVector v = KnotVector::Uniform(1, 2);
+  Eigen::MatrixXd values(1, 20);
+  for (int i = 0; i < 20; ++i)
+  {
+    values(0, i) = std::max(0, i % 5 - 1);
+  }
+  const Spline attribute({ k, v, v }, values);
+  const Aggregate body(Box({ k, v, v }), { { "A", attribute } });
+  const Result r = Extract(
+    body, QuadricField(attribute, ComponentEquals(attribute, 0, 0.0), false), WithTolerance(1e-3));
+  EXPECT_GE(r.Certificate.UndecidedCells, 1);
+  EXPECT_TRUE(r.Certificate.ToleranceReached);
+}
