@@ -6,6 +6,7 @@
 #include "DeterminantKernel.h"
 #include "Error.h"
 #include "EvaluatorKernel.h"
+#include "Measures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -184,10 +185,10 @@ struct Box
   std::size_t Block;
   std::array<double, 3> Low;
   std::array<double, 3> Size;
-  /// Bounds of the error of the coefficients of det J (times W^4), and of W.
+  /// Bounds of the error of the coefficients of det J (times W^4), and of W^4.
   double Error;
   double WeightError;
-  /// The greatest coefficient and the greatest weight.
+  /// The greatest coefficients of both.
   double Magnitude;
   double WeightMagnitude;
   /// Sides that lie on those of the element, bits u0 u1 v0 v1 w0 w1.
@@ -239,9 +240,10 @@ struct ValidityTest::Implementation
   {
     for (std::size_t d = 0; d < 3; ++d)
     {
-      this->Determinant.Size[d] = rational ? 4 * degrees[d] - 1 : 3 * degrees[d];
+      this->Determinant.Size[d] = rational ? 4 * degrees[d] + 1 : 3 * degrees[d];
     }
-    this->BlockSize = this->Determinant.Count() + (rational ? this->Points.Count() : 0);
+    this->BlockSize = this->Determinant.Count() * (rational ? 2 : 1);
+    this->Ratios.resize(rational ? this->Determinant.Count() : 0);
     if (!rational)
     {
       this->Kernels = ChooseKernels();
@@ -415,15 +417,19 @@ struct ValidityTest::Implementation
         return;
       }
     }
-    const Bernstein d = JacobianDeterminant(this->Element, this->Degrees, true, pointError);
-    this->Pool.resize(std::max(this->Pool.size(), this->BlockSize));
-    std::copy(d.Coefficients().begin(), d.Coefficients().end(), this->Pool.begin());
-    for (Eigen::Index i = 0; i < n; ++i)
+    const Bernstein w(this->Degrees, this->Element.row(3).transpose(), pointError);
+    const Bernstein w2 = w * w;
+    const Bernstein w4 = w2 * w2;
+    Bernstein j = JacobianDeterminant(this->Element, this->Degrees, true, pointError);
+    for (int d = 0; d < 3; ++d)
     {
-      this->Pool[this->Determinant.Count() + static_cast<std::size_t>(i)] = this->Element(3, i);
+      j = j.Elevate(d, 4 * this->Degrees[static_cast<std::size_t>(d)]);
     }
+    this->Pool.resize(std::max(this->Pool.size(), this->BlockSize));
+    std::copy(w4.Coefficients().begin(), w4.Coefficients().end(),
+      std::copy(j.Coefficients().begin(), j.Coefficients().end(), this->Pool.begin()));
     result.Boxes = 1;
-    this->Subdivide(d.RoundingBound(), pointError, result);
+    this->Subdivide(j.RoundingBound(), w4.RoundingBound(), result);
   }
 
   //----------------------------------------------------------------------------------------------
@@ -445,17 +451,29 @@ struct ValidityTest::Implementation
     return block;
   }
 
-  /// det J = value / W^4 with both in intervals.
-  [[nodiscard]] Interval Divided(const Interval& value, const Interval& weight) const
+  /// Bounds of the quotient of a coefficient of W^4 J and one of W^4.
+  [[nodiscard]] static Interval Quotient(const Box& box, double value, double weight)
   {
-    if (!this->Rational)
+    if (!(weight > box.WeightError))
     {
-      return value;
+      return { -INFINITY, INFINITY };
     }
-    const auto quotient = [](double x, double w) { return x / (w * w * w * w); };
-    const double low = quotient(value.Low, value.Low < 0.0 ? weight.Low : weight.High);
-    const double high = quotient(value.High, value.High < 0.0 ? weight.High : weight.Low);
-    return { low - 16 * U * std::abs(low), high + 16 * U * std::abs(high) };
+    const double low = value - box.Error;
+    const double high = value + box.Error;
+    const double least = (weight - box.WeightError) * (1.0 - 2 * U);
+    const double greatest = (weight + box.WeightError) * (1.0 + 2 * U);
+    const double a = low / (low < 0.0 ? least : greatest);
+    const double b = high / (high < 0.0 ? greatest : least);
+    return { a - 4 * U * std::abs(a), b + 4 * U * std::abs(b) };
+  }
+
+  /// det J at a corner of a box, or bounds of what coefficient i contributes to it: the values of
+  /// W^4 J / W^4 are means of the quotients of coefficients, because those of W^4 are positive.
+  [[nodiscard]] Interval Contribution(const Box& box, std::size_t i)
+  {
+    const double value = this->Values(box)[i];
+    return this->Rational ? Quotient(box, value, this->Weights(box)[i])
+                          : Interval{ value - box.Error, value + box.Error };
   }
 
   /// Layers of coefficients next to the side of the element that are 0 to rounding.
@@ -588,15 +606,18 @@ struct ValidityTest::Implementation
       greatest = std::max(greatest, c[i]);
     }
     box.Magnitude = std::max(std::abs(least), std::abs(greatest));
-    Interval weight{ 1.0, 1.0 };
+    box.Range = { least - box.Error, greatest + box.Error };
     if (this->Rational)
     {
       const double* w = this->Weights(box);
-      const auto ends = std::minmax_element(w, w + this->Points.Count());
-      box.WeightMagnitude = *ends.second;
-      weight = { *ends.first - box.WeightError, *ends.second + box.WeightError };
+      box.WeightMagnitude = *std::max_element(w, w + n);
+      box.Range = { INFINITY, -INFINITY };
+      for (std::size_t i = 0; i < n; ++i)
+      {
+        const Interval q = this->Contribution(box, i);
+        box.Range = { std::min(box.Range.Low, q.Low), std::max(box.Range.High, q.High) };
+      }
     }
-    box.Range = this->Divided({ least - box.Error, greatest + box.Error }, weight);
     box.Sign = least > box.Error ? 1 : greatest < -box.Error ? -1 : 0;
     if (box.Sign == 0 && result.Degenerate != 0 && (least >= -box.Error || greatest <= box.Error) &&
       (greatest > box.Error || least < -box.Error))
@@ -621,13 +642,7 @@ struct ValidityTest::Implementation
     for (int corner = 0; corner < 8; ++corner)
     {
       const double value = c[this->Determinant.Corner(corner)];
-      double w = 1.0;
-      if (this->Rational)
-      {
-        w = this->Weights(box)[this->Points.Corner(corner)];
-      }
-      const Interval j = this->Divided(
-        { value - box.Error, value + box.Error }, { w - box.WeightError, w + box.WeightError });
+      const Interval j = this->Contribution(box, this->Determinant.Corner(corner));
       this->LeastSample = std::min(this->LeastSample, j.High);
       this->GreatestSample = std::max(this->GreatestSample, j.Low);
       const int sign = value > box.Error ? 1 : value < -box.Error ? -1 : 0;
@@ -659,12 +674,19 @@ struct ValidityTest::Implementation
   /// Halves across the direction in which the coefficients bend most.
   std::array<Box, 2> HalvesOf(const Box& box)
   {
+    const double* values = this->Values(box);
+    if (this->Rational)
+    {
+      std::transform(values, values + this->Ratios.size(), this->Weights(box), this->Ratios.begin(),
+        [](double value, double weight) { return value / weight; });
+      values = this->Ratios.data();
+    }
     int direction = 0;
     double most = -1.0;
     for (int d = 0; d < 3; ++d)
     {
-      double bend = Curvature(this->Determinant, d, this->Values(box));
-      // A linear function that changes its sign is cut as well, and so are weights.
+      double bend = Curvature(this->Determinant, d, values);
+      // A linear function that changes its sign is cut as well.
       bend += 1e-3 * box.Size[static_cast<std::size_t>(d)] *
         std::max(std::abs(box.Range.Low), std::abs(box.Range.High));
       if (bend > most)
@@ -679,10 +701,11 @@ struct ValidityTest::Implementation
     Halve(this->Determinant, direction, this->Values(box), this->Values(halves[0]));
     if (this->Rational)
     {
-      Halve(this->Points, direction, this->Weights(box), this->Weights(halves[0]));
+      Halve(this->Determinant, direction, this->Weights(box), this->Weights(halves[0]));
     }
     const double error = Grown(box.Error, this->Determinant.Size[d] - 1, box.Magnitude);
-    const double weightError = Grown(box.WeightError, this->Degrees[d], box.WeightMagnitude);
+    const double weightError =
+      Grown(box.WeightError, this->Determinant.Size[d] - 1, box.WeightMagnitude);
     for (int end = 0; end < 2; ++end)
     {
       Box& half = halves[static_cast<std::size_t>(end)];
@@ -859,6 +882,7 @@ struct ValidityTest::Implementation
   // Scratch of the subdivision of one element.
   std::vector<double> Pool;
   std::vector<double> Root;
+  std::vector<double> Ratios;
   std::vector<std::size_t> Free;
   std::size_t Blocks = 0;
   std::vector<Box> Heap;
@@ -942,8 +966,8 @@ void Rescale(
 
 }
 
-PatchValidity TestValidity(
-  const Spline& geometry, const ValidityOptions& options, const ParallelFor& parallelFor)
+PatchValidity TestValidity(const Spline& geometry, const ValidityOptions& options,
+  const ParallelFor& parallelFor, int handedness)
 {
   if (geometry.Components() != 3 || geometry.Dimension() != 3)
   {
@@ -1033,14 +1057,12 @@ PatchValidity TestValidity(
       }
     });
 
-  std::ptrdiff_t balance = 0;
-  bool any = false;
+  result.Handedness = handedness != 0 ? handedness : Handedness(geometry);
   for (const ElementValidity& element : result.Elements)
   {
-    balance += element.Sign;
-    any = any || element.Sign != 0;
+    // Only where left-handed and right-handed volumes cancel.
+    result.Handedness = result.Handedness != 0 ? result.Handedness : element.Sign;
   }
-  result.Handedness = balance > 0 || (balance == 0 && any) ? 1 : balance < 0 ? -1 : 0;
   for (ElementValidity& element : result.Elements)
   {
     if (element.Verdict == 1 && element.Sign != result.Handedness)

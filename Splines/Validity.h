@@ -94,8 +94,8 @@ private:
 
 struct PatchValidity
 {
-  /// The sign of det J that most elements have: 1, or -1 for a left-handed patch; 0 if none is
-  /// decided.
+  /// 1, or -1 for a left-handed patch: Handedness(), and where that is 0 the sign of the first
+  /// element that is decided.
   int Handedness = 0;
   /// One per element (non-empty knot span), u fastest. With respect to the patch's own knots.
   std::vector<ElementValidity> Elements;
@@ -103,9 +103,11 @@ struct PatchValidity
 
 /// Tests the elements of a volume. Left-handed patches are valid; an element whose sign is not the
 /// patch's gets verdict -1, with a witness.
+/// \param handedness of the whole patch, where the geometry is a part of it; 0: found here
 /// \throws Error if the geometry is not a volume of three coordinates, or an option is out of range
 [[nodiscard]] PatchValidity TestValidity(const Spline& geometry,
-  const ValidityOptions& options = {}, const ParallelFor& parallelFor = SerialFor);
+  const ValidityOptions& options = {}, const ParallelFor& parallelFor = SerialFor,
+  int handedness = 0);
 
 }
 
