@@ -4,7 +4,8 @@
 # missing, and without a call of apt when nothing is, so that it then needs no rights.
 set -euo pipefail
 
-build=(g++ cmake ninja-build git clang-format-14)
+# dpkg-dev and file are for cpack.
+build=(g++ cmake ninja-build git clang-format-14 dpkg-dev file)
 libraries=(libeigen3-dev libpugixml-dev libgtest-dev libbenchmark-dev)
 paraview=(paraview paraview-dev python3-paraview python3-mpi4py python3-numpy openmpi-bin)
 # What find_package(ParaView) asks for and paraview-dev does not depend on.
