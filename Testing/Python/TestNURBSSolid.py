@@ -51,6 +51,30 @@ class NURBSSolid(unittest.TestCase):
             picture = common.pixels(self.view)
             self.assertGreater(len(numpy.unique(picture.reshape(-1, 3), axis=0)), 1000, name)
 
+    def test_weights_are_no_colours(self):
+        def offered():
+            domain = self.display.SMProxy.GetProperty('ColorArrayName').FindDomain(
+                'vtkSMArrayListDomain')
+            return [domain.GetString(i) for i in range(domain.GetNumberOfStrings())]
+
+        self.assertIn('Temperature', offered())
+        self.assertNotIn('Weight', offered())
+        self.assertIsNotNone(self.model.PointData['Weight'])
+        # On other data an array of this name is as good as any.
+        other = simple.Calculator(Input=simple.Sphere(), Function='coordsX',
+                                  ResultArrayName='Weight')
+        self.display = simple.Show(other, self.view)
+        self.assertIn('Weight', offered())
+
+    def test_bounds_are_those_of_the_solid(self):
+        simple.Render(self.view)
+        drawn = self.display.SMProxy.GetRepresentedDataInformation().GetBounds()
+        exact = simple.NURBSTessellate(Input=self.model)
+        exact.UpdatePipeline()
+        self.assertEqual(drawn, exact.GetDataInformation().GetBounds())
+        lattice = self.model.GetDataInformation().GetBounds()
+        self.assertGreater(lattice[3] - drawn[3], 0.1)
+
     def test_colours_span_the_values_drawn_and_not_the_coefficients(self):
         # Nothing has been rendered yet.
         simple.ColorBy(self.display, ('POINTS', 'Temperature'))

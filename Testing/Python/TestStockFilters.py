@@ -68,6 +68,21 @@ class StockFilters(unittest.TestCase):
             areas.append(0.5 * numpy.linalg.norm(normals, axis=1).sum())
         self.assertLess(abs(areas[0] - areas[1]), 0.01 * areas[1])
 
+    def test_lattices_show_as_solids_by_default(self):
+        s, model = simple, self.model
+        view = common.view()
+        self.addCleanup(s.Delete, view)
+        s.Show(model, view)
+        lattices = [s.Transform(Input=model), s.Calculator(Input=model, Function='coordsX'),
+                    s.ExtractBlock(Input=model, Selectors=['/Root/Geometry']),
+                    s.ForceTime(Input=model), s.GenerateIds(Input=model)]
+        for proxy in lattices:
+            display = s.Show(proxy, view)
+            self.assertEqual(display.Representation, 'NURBS Solid', proxy.GetXMLName())
+        for proxy in (s.Tetrahedralize(Input=model), s.NURBSSlice(Input=model), s.Sphere()):
+            display = s.Show(proxy, view)
+            self.assertEqual(display.Representation, 'Surface', proxy.GetXMLName())
+
     def test_a_changed_lattice_gives_one_error_and_no_output(self):
         s, model = simple, self.model
         subset = s.ExtractSubset(Input=model)
