@@ -538,6 +538,17 @@ TEST(Validity, ADoubleZeroInsideIsUndecided)
   EXPECT_FALSE(element.Negative);
 }
 
+TEST(Validity, ADegenerateFaceExcusesNoOtherZero)
+{
+  // (u, u q(v), w), q' = 6 (2v - 1)^2: det J = 6 u (2v - 1)^2.
+  const double q[4] = { -1, 1, -1, 1 };
+  const Spline spline = BezierVolume(
+    { 1, 3, 1 }, [&q](int i, int j, int k) { return Eigen::Vector3d(i, i * q[j], k); });
+  const ElementValidity element = Tested(spline, SignsOnly());
+  EXPECT_EQ(element.Verdict, 0);
+  EXPECT_EQ(element.Degenerate, 1u << 0);
+}
+
 TEST(Validity, AFlatVolumeIsUndecidedAtOnce)
 {
   const ElementValidity element = Tested(
