@@ -908,6 +908,10 @@ ValidityTest::ValidityTest(
     throw Error("the tolerance of validity bounds is a fraction from 0 to 1, not " +
       std::to_string(options.Tolerance));
   }
+  if (!(options.ScaledTolerance >= 0.0))
+  {
+    throw Error("the tolerance of the scaled Jacobian is not negative, and 0 to leave it out");
+  }
   if (options.MaxDepth < 0 || options.MaxBoxes < 1)
   {
     throw Error("a validity test needs a depth of at least 0 and at least 1 box");
@@ -1053,6 +1057,15 @@ PatchValidity TestValidity(const Spline& geometry, const ValidityOptions& option
             size[d] = breaks[d][i + 1] - breaks[d][i];
           }
           Rescale(results[e - first], low, size);
+          if (options.ScaledTolerance > 0.0)
+          {
+            const auto i = static_cast<std::size_t>(e - first);
+            const Eigen::Map<const Eigen::MatrixXd> bezier(
+              points.data() + i * static_cast<std::size_t>(element.size()), element.rows(),
+              element.cols());
+            results[i].Scaled =
+              BoundScaledJacobian(bezier, p, options.ScaledTolerance, options.MaxBoxes, errors[i]);
+          }
         }
       }
     });

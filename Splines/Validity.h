@@ -4,6 +4,7 @@
 
 #include "Cone.h"
 #include "Parallel.h"
+#include "ScaledJacobian.h"
 #include "Spline.h"
 
 #include <array>
@@ -21,6 +22,9 @@ struct ValidityOptions
   /// How far apart the bounds of the least (and of the greatest) det J of an element may be, as a
   /// fraction of the greatest |det J| found there. 0: signs only, which is much faster.
   double Tolerance = 0.01;
+  /// How far apart the bounds of the least (and of the greatest) scaled Jacobian may be. 0: not
+  /// wanted. Costs more than all the rest.
+  double ScaledTolerance = 0.0;
   /// An element is halved at most so often in a row, and into so many boxes.
   int MaxDepth = 40;
   int MaxBoxes = 4000;
@@ -54,6 +58,8 @@ struct ElementValidity
   /// Enclosures of the least and the greatest det J on the closed element; only if asked for.
   std::optional<Interval> Minimum;
   std::optional<Interval> Maximum;
+  /// Of det J over the lengths of the three derivatives; only if asked of TestValidity().
+  std::optional<ScaledJacobian> Scaled;
   /// Points of the open element where det J is certainly positive, or negative: the witnesses of
   /// verdict -1 (one of them if the element has one sign, against the patch).
   std::optional<std::array<double, 3>> Positive;

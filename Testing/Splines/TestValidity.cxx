@@ -477,6 +477,21 @@ TEST(Validity, NoVerdictOnRandomCellsIsContradictedBySamples)
   }
 }
 
+TEST(Validity, ScaledJacobianIsGivenWhereAskedFor)
+{
+  const Spline tube = RefineUniformly(models::QuarterTube(), { 2, 2, 1 });
+  ValidityOptions options;
+  EXPECT_FALSE(TestValidity(tube, options).Elements[0].Scaled);
+  options.ScaledTolerance = 0.02;
+  for (const ElementValidity& element : TestValidity(tube, options).Elements)
+  {
+    ASSERT_TRUE(element.Scaled);
+    // Orthogonal coordinates.
+    EXPECT_GE(element.Scaled->Minimum.Low, 0.98 - 1e-12);
+    EXPECT_NEAR(element.Scaled->Maximum.High, 1.0, 1e-12);
+  }
+}
+
 TEST(Validity, RationalVerdictsAreInvariantUnderScalingOfWeights)
 {
   const Spline tube = models::QuarterTube();
@@ -646,6 +661,9 @@ TEST(Validity, RefusesWhatItCannotTest)
   options.Tolerance = -0.1;
   EXPECT_THROW(ValidityTest({ 1, 1, 1 }, false, options), Error);
   EXPECT_THROW(static_cast<void>(TestValidity(models::QuarterTube(), options)), Error);
+  options = ValidityOptions();
+  options.ScaledTolerance = NAN;
+  EXPECT_THROW(ValidityTest({ 1, 1, 1 }, false, options), Error);
   options = ValidityOptions();
   options.MaxBoxes = 0;
   EXPECT_THROW(ValidityTest({ 1, 1, 1 }, false, options), Error);
