@@ -7,8 +7,10 @@
 #include "vtkActor.h"
 #include "vtkCellData.h"
 #include "vtkCommand.h"
+#include "vtkCompositeDataDisplayAttributes.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
+#include "vtkCompositePolyDataMapper2.h"
 #include "vtkMatrix4x4.h"
 #include "vtkObjectFactory.h"
 #include "vtkPVLODActor.h"
@@ -154,6 +156,7 @@ int vtkNURBSSolidRepresentation::ProcessViewRequest(
   {
     this->KnotLineMapper->SetInputDataObject(
       vtkPVView::GetDeliveredPiece(inInfo, this, KnotLinePort));
+    this->UpdateKnotLines();
   }
   return 1;
 }
@@ -181,12 +184,24 @@ void vtkNURBSSolidRepresentation::UpdateColoringParameters()
   this->Superclass::UpdateColoringParameters();
   const bool solid = IsSolid(this->Mapper->GetInputDataObject(0, 0));
   this->Actor->SetPickable(this->Pickable && !solid);
-
-  const bool lines = solid && this->GetVisibility() && this->Representation == SURFACE_WITH_EDGES;
-  this->KnotLines->SetVisibility(lines);
-  if (lines)
+  if (solid)
   {
     this->Property->EdgeVisibilityOff();
+  }
+}
+
+void vtkNURBSSolidRepresentation::UpdateKnotLines()
+{
+  // The user may have hidden the block of the solid.
+  vtkDataObject* drawn = this->Mapper->GetInputDataObject(0, 0);
+  auto attributes =
+    static_cast<vtkCompositePolyDataMapper2*>(this->Mapper)->GetCompositeDataDisplayAttributes();
+  double bounds[6];
+  const bool visible = this->Representation == SURFACE_WITH_EDGES && IsSolid(drawn) &&
+    vtkGeometryRepresentation::GetBounds(drawn, bounds, attributes);
+  this->KnotLines->SetVisibility(visible);
+  if (visible)
+  {
     vtkProperty* property = this->KnotLines->GetProperty();
     property->SetColor(this->Property->GetEdgeColor());
     property->SetLineWidth(this->Property->GetLineWidth());

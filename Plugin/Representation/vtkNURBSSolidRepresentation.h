@@ -74,6 +74,7 @@ private:
   void operator=(const vtkNURBSSolidRepresentation&) = delete;
 
   vtkNURBSGeometryFilter* GetFilter();
+  void UpdateKnotLines();
 
   vtkNew<vtkActor> KnotLines;
   vtkNew<vtkPolyDataMapper> KnotLineMapper;

@@ -123,6 +123,18 @@ class NURBSSolid(unittest.TestCase):
         simple.Hide(self.model, self.view)
         self.assertEqual(self.edges().sum(), 0)
 
+    def test_blocks_are_datasets(self):
+        self.display.Representation = 'NURBS Solid With Edges'
+        everything = common.silhouette(self.view)
+        self.display.BlockSelectors = ['/Root/Temperature']
+        self.assertEqual(common.silhouette(self.view).sum(), 0)
+        self.display.BlockSelectors = ['/Root/Geometry']
+        self.assertEqual((common.silhouette(self.view) != everything).sum(), 0)
+        opaque = common.pixels(self.view)
+        self.display.BlockOpacities = ['/Root/Geometry', '0.3']
+        changed = (common.pixels(self.view) != opaque).any(axis=2)
+        self.assertGreater(changed.sum(), 0.5 * everything.sum())
+
     def test_a_selection_passes_through_the_solid(self):
         for style, count in (('NURBS Solid', 0), ('Surface', 1)):
             self.display.Representation = style

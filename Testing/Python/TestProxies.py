@@ -9,7 +9,8 @@ import common  # loads the plugin
 from paraview import servermanager, simple
 
 PROXIES = [('sources', 'BSplineReader'), ('filters', 'NURBSTessellate'), ('filters', 'NURBSSlice'),
-           ('filters', 'NURBSContour'), ('filters', 'NURBSJacobianBoundary')]
+           ('filters', 'NURBSContour'), ('filters', 'NURBSJacobianBoundary'),
+           ('filters', 'NURBSExtractPatches')]
 STYLE = ('representations', 'NURBSSolidRepresentation')
 STYLE_PROPERTIES = ('SolidTolerance', 'SolidAttributeTolerance')
 
