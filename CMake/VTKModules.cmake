@@ -21,8 +21,11 @@ if (HYPERPATCH_BUILD_PLUGIN)
     ProcessXML RemotingCore RemotingServerManager RemotingViews VTKExtensionsFiltersRendering
     VTKExtensionsIOCore WrapClientServer)
 else ()
-  find_package(VTK ${hyperpatch_vtk_version} QUIET COMPONENTS ${hyperpatch_vtk_components}
-    OPTIONAL_COMPONENTS ${hyperpatch_vtk_optional_components})
+  # Once the VTK inside ParaView is in the cache it would be found alone, and ParaView be forgotten.
+  if (NOT ParaView_DIR)
+    find_package(VTK ${hyperpatch_vtk_version} QUIET COMPONENTS ${hyperpatch_vtk_components}
+      OPTIONAL_COMPONENTS ${hyperpatch_vtk_optional_components})
+  endif ()
   if (NOT VTK_FOUND)
     find_package(ParaView 5.11 REQUIRED COMPONENTS VTKExtensionsCore)
   endif ()
