@@ -109,7 +109,8 @@ struct Field
 
   [[gnu::always_inline]] double* Row(int component, int j, int k) const
   {
-    return this->Values + Lanes * static_cast<std::size_t>(n[0] * (j + n[1] * (k + n[2] * component)));
+    return this->Values +
+      Lanes * static_cast<std::size_t>(n[0] * (j + n[1] * (k + n[2] * component)));
   }
 };
 
@@ -225,8 +226,9 @@ void Determinant(const DeterminantShape& shape, const double* points, double* sc
         for (int j = 0; j < f.n[1]; ++j)
         {
           const double* from = points +
-            Lanes * (all * static_cast<std::size_t>(c) +
-              static_cast<std::size_t>(size[0] * (j + size[1] * k)));
+            Lanes *
+              (all * static_cast<std::size_t>(c) +
+                static_cast<std::size_t>(size[0] * (j + size[1] * k)));
           for (int i = 0; i < f.n[0]; ++i, from += Lanes, scratch += Lanes)
           {
             const Register difference = Load(from + stride) - Load(from);
