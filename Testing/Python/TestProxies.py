@@ -4,6 +4,7 @@ import os
 import re
 import tempfile
 import unittest
+from xml.etree import ElementTree
 
 import common  # loads the plugin
 from paraview import servermanager, simple
@@ -41,6 +42,7 @@ class Proxies(unittest.TestCase):
     def test_a_name_is_the_label_without_blanks(self):
         for proxy in [new_proxy(*names) for names in PROXIES]:
             self.assertEqual(proxy.GetXMLName(), proxy.GetXMLLabel().replace(' ', ''))
+        for proxy in [new_proxy(*names) for names in PROXIES + [STYLE]]:
             for name, prop in properties(proxy):
                 self.assertEqual(name, prop.GetXMLLabel().replace(' ', ''), proxy.GetXMLName())
 
@@ -79,6 +81,28 @@ class Proxies(unittest.TestCase):
         for proxy in [new_proxy(*names) for names in PROXIES[1:]]:
             menu = proxy.GetHints().FindNestedElementByName('ShowInMenu')
             self.assertEqual(menu.GetAttribute('category'), 'NURBS')
+
+    def test_filters_have_icons(self):
+        folder = os.path.join(os.path.dirname(common.DATA), 'Plugin')
+        resources = {os.path.join(node.get('prefix'), file.text)
+                     for node in ElementTree.parse(os.path.join(folder, 'Hyperpatch.qrc')).iter(
+                         'qresource') for file in node}
+        for proxy in [new_proxy(*names) for names in PROXIES[1:]]:
+            menu = proxy.GetHints().FindNestedElementByName('ShowInMenu')
+            path = f'/Hyperpatch/Icons/{proxy.GetXMLName()}.svg'
+            self.assertEqual(menu.GetAttribute('icon'), ':' + path)
+            self.assertIn(path, resources)
+            picture = ElementTree.parse(os.path.join(folder, 'Icons', os.path.basename(path)))
+            self.assertEqual(picture.getroot().get('viewBox'), '0 0 32 32')
+
+    def test_numbers_have_sliders(self):
+        for proxy in [new_proxy(*names) for names in PROXIES + [STYLE]]:
+            for name, prop in properties(proxy):
+                domain = prop.FindDomain('vtkSMDoubleRangeDomain')
+                if name.endswith('Tolerance'):
+                    self.assertTrue(domain.GetMinimumExists(0) and domain.GetMaximumExists(0))
+                    low, high = domain.GetMinimum(0), domain.GetMaximum(0)
+                    self.assertTrue(low <= prop.GetElement(0) <= high, proxy.GetXMLName())
 
     def test_filters_take_lattices_only(self):
         line = simple.Line()
