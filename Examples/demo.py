@@ -8,6 +8,7 @@ an attribute, save pictures.
 """
 import argparse
 import glob
+import math
 import os
 import sys
 
@@ -15,6 +16,9 @@ from paraview.simple import *
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 SAMPLE = os.path.join(ROOT, 'Data', 'heated_pipe_bend.vtpc')
+
+ASPECT = 4 / 3  # of every picture
+LEGEND = 0.2  # of the width of its picture
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument('file', nargs='?', default=SAMPLE, help='a spline file; default: a pipe bend')
@@ -47,7 +51,13 @@ attribute = attributes[0]
 # The colours are for the values inside, too, not only for those on the skin.
 inside = NURBSTessellate(Input=model, MeshType='Solid')
 inside.UpdatePipeline()
+bounds = inside.GetDataInformation().GetBounds()
+size = [bounds[2 * i + 1] - bounds[2 * i] for i in range(3)]
 low, high = inside.PointData[attribute].GetRange()
+# Three digits of the range are enough to read, and round-off is none of them.
+digits = 3 - math.ceil(math.log10(high - low)) if high > low else 3
+low, high = (round(value, digits) + 0.0 for value in (low, high))
+number = f'%.{max(digits - 1, 0)}f' if -6 < digits < 7 else '%.3g'
 colors = GetColorTransferFunction(attribute)
 colors.ApplyPreset('Fast', True)
 
@@ -79,17 +89,35 @@ def show_glass(view):
     ColorBy(display, ('POINTS', None))
 
 
-# Spline files show as NURBS Solid by themselves; the output of a stock filter has to be told.
-solid = show(model, views[0], Representation='NURBS Solid')
+def frame(view, room):
+    """Shows the whole model; a fraction `room` of the width stays free on the right."""
+    view.CameraParallelProjection = 1
+    view.CameraPosition = [-2.0, -1.2, 1.6]
+    view.CameraFocalPoint = [0, 0, 0]
+    view.CameraViewUp = [0, 0, 1]
+    view.ResetCamera(True)
+    matrix = view.GetActiveCamera().GetViewTransformMatrix()
+    right, up = ([matrix.GetElement(row, d) for d in range(3)] for row in (0, 1))
+    width, height = (sum(size[d] * abs(axis[d]) for d in range(3)) for axis in (right, up))
+    view.CameraParallelScale = 0.53 * max(height, width / (1.0 - room) / ASPECT)
+    shift = room * view.CameraParallelScale * ASPECT
+    for place in (view.CameraPosition, view.CameraFocalPoint):
+        for d in range(3):
+            place[d] += shift * right[d]
+
+
+# Lattices show as NURBS Solid by themselves.
+solid = show(model, views[0])
 solid.SetScalarBarVisibility(views[0], True)
 legend = GetScalarBar(colors, views[0])
-legend.Orientation = 'Horizontal'
-legend.WindowLocation = 'Upper Center'
+legend.WindowLocation = 'Any Location'
+legend.Position = [1.0 - LEGEND + 0.02, 0.2]
+legend.ScalarBarLength = 0.6
 legend.TitleFontSize = legend.LabelFontSize = 8
+legend.AutomaticLabelFormat = 0
+legend.LabelFormat = legend.RangeLabelFormat = number
 
 # Slices through the middle, across the two longest sides of the model.
-bounds = inside.GetDataInformation().GetBounds()
-size = [bounds[2 * i + 1] - bounds[2 * i] for i in range(3)]
 for axis in sorted(range(3), key=lambda i: size[i])[1:]:
     cut = NURBSSlice(Input=model)
     cut.SliceType.Origin = [0.5 * (bounds[2 * i] + bounds[2 * i + 1]) for i in range(3)]
@@ -114,11 +142,7 @@ else:
 show(faces, views[3], Opacity=0.15)
 
 for view in views:
-    view.CameraPosition = [-2.0, -1.2, 1.6]
-    view.CameraFocalPoint = [0, 0, 0]
-    view.CameraViewUp = [0, 0, 1]
-    view.ResetCamera(True)
-    view.GetActiveCamera().Zoom(1.1)
+    frame(view, LEGEND if view == views[0] else 0.0)
 for name, picture in zip(('solid', 'slices', 'isosurfaces', 'boundary', 'overview'),
                          views + [layout]):
     path = os.path.join(arguments.output, name + '.png')
