@@ -221,13 +221,16 @@ void vtkNURBSAlgorithm::ParallelFor(
   const vtkIdType threads = vtkSMPTools::GetEstimatedNumberOfThreads();
   const vtkIdType batch = std::max(count / 32, 8 * step * threads);
 
+  // Several ranks go through together: see ReportProgress().
+  const bool mayAbort = !this->IsParallel();
   std::atomic<bool> stop{ false };
   std::mutex mutex;
   std::exception_ptr failure;
   const auto guarded = [&](vtkIdType begin, vtkIdType end)
   {
     // Some backends hand out ranges larger than the grain.
-    for (vtkIdType first = begin; first < end && !stop && !this->GetAbortExecute(); first += step)
+    for (vtkIdType first = begin; first < end && !stop && !(mayAbort && this->GetAbortExecute());
+         first += step)
     {
       try
       {

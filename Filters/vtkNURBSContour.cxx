@@ -13,6 +13,7 @@
 #include "vtkPolyData.h"
 
 #include <algorithm>
+#include <cmath>
 
 VTK_ABI_NAMESPACE_BEGIN
 vtkStandardNewMacro(vtkNURBSContour);
@@ -91,6 +92,13 @@ void vtkNURBSContour::Execute(const hyperpatch::MultiPatch& model, vtkDataObject
       " (0.. or -1 for the magnitude)");
   }
 
+  for (const double value : this->Values)
+  {
+    if (!std::isfinite(value))
+    {
+      throw hyperpatch::Error("an isovalue is not a finite number");
+    }
+  }
   std::vector<Task> tasks;
   for (const PreparedPatch& patch : this->Prepare(model))
   {

@@ -61,8 +61,9 @@ void vtkNURBSJacobianBoundary::Execute(const hyperpatch::MultiPatch& model, vtkD
     if (this->Faces)
     {
       hyperpatch::TessellationOptions options;
-      options.Tolerance = tolerances.Position > 0.0 ? tolerances.Position : this->GetTolerance();
+      options.Tolerance = tolerances.Position;
       options.AttributeTolerances = tolerances.Of(patch);
+      options.For = this->KernelParallelFor();
       const hyperpatch::SurfaceMesh faces =
         hyperpatch::TessellateBoundary(patch, prepared.Handedness, options);
       mesh.AddPoints(patch, faces.Parameters, faces.Points, faces.Normals, faces.Attributes);
@@ -77,6 +78,9 @@ void vtkNURBSJacobianBoundary::Execute(const hyperpatch::MultiPatch& model, vtkD
     {
       blocks[d] = SmoothBlocks(geometry.Knots()[d]);
     }
+    // Parts of the patch have its handedness; told once, it is not computed for each of them.
+    hyperpatch::Patch known = patch;
+    known.WholeHandedness = prepared.Handedness;
     const bool whole = blocks[0].size() + blocks[1].size() + blocks[2].size() == 6;
     for (std::size_t k = 0; k + 1 < blocks[2].size(); ++k)
     {
@@ -88,7 +92,7 @@ void vtkNURBSJacobianBoundary::Execute(const hyperpatch::MultiPatch& model, vtkD
           if (!whole)
           {
             part.Patch = std::make_shared<const hyperpatch::Patch>(
-              hyperpatch::RestrictPatch(patch, { blocks[0][i], blocks[1][j], blocks[2][k] },
+              hyperpatch::RestrictPatch(known, { blocks[0][i], blocks[1][j], blocks[2][k] },
                 { blocks[0][i + 1], blocks[1][j + 1], blocks[2][k + 1] }));
             part.Body = std::make_shared<const hyperpatch::PreparedAggregate>(part.Patch->Body);
           }

@@ -2,6 +2,7 @@
 #include "vtkNURBSMeshAlgorithm.h"
 
 #include "Aggregate.h"
+#include "Error.h"
 #include "Evaluator.h"
 
 #include <algorithm>
@@ -14,17 +15,22 @@ VTK_ABI_NAMESPACE_BEGIN
 namespace
 {
 
-/// Least and largest value over a grid of samples that depends on the patch alone, not on how it is
-/// cut into pieces: `perSpan` per knot span, ends included.
-std::array<double, 2> SampledRange(const hyperpatch::Spline& field, bool fine)
+/// Least and largest value over a grid of samples, knots included; a few per span where spans are
+/// few.
+std::array<double, 2> SampledRange(const hyperpatch::Spline& field)
 {
+  std::size_t spans = 1;
+  for (const hyperpatch::KnotVector& knots : field.Knots())
+  {
+    spans *= knots.Spans().size();
+  }
   std::array<std::vector<double>, 3> samples;
   std::size_t count = 1;
   for (std::size_t d = 0; d < 3; ++d)
   {
     const hyperpatch::KnotVector& knots = field.Knots()[d];
     const std::vector<double> breaks = knots.Breaks();
-    const int perSpan = fine ? knots.Degree() + 1 : 1;
+    const int perSpan = std::min(knots.Degree() + 1, spans <= 10000 ? hyperpatch::MaxDegree : 2);
     for (std::size_t b = 0; b + 1 < breaks.size(); ++b)
     {
       for (int i = 0; i < perSpan; ++i)
@@ -59,7 +65,12 @@ std::vector<double> vtkNURBSMeshAlgorithm::AbsoluteTolerances::Of(
   std::vector<double> tolerances;
   for (const hyperpatch::Attribute& attribute : patch.Body.Attributes())
   {
-    tolerances.push_back(this->Attributes.at(attribute.Name));
+    // An attribute that jumps at knots is right on one side of them, however fine the mesh is.
+    const auto& knots = attribute.Field.Knots();
+    const bool jumps = std::any_of(knots.begin(), knots.end(),
+      [](const hyperpatch::KnotVector& k) { return k.Degree() == 0 && k.Spans().size() > 1; });
+    const auto found = this->Attributes.find(attribute.Name);
+    tolerances.push_back(jumps || found == this->Attributes.end() ? 0.0 : found->second);
   }
   return tolerances;
 }
@@ -74,22 +85,22 @@ void vtkNURBSMeshAlgorithm::ModelChanged()
 vtkNURBSMeshAlgorithm::AbsoluteTolerances vtkNURBSMeshAlgorithm::FindTolerances(
   const hyperpatch::MultiPatch& model)
 {
+  if (!std::isfinite(this->Tolerance) || !std::isfinite(this->AttributeTolerance))
+  {
+    throw hyperpatch::Error("Tolerance and Attribute Tolerance must be finite numbers");
+  }
   AbsoluteTolerances result;
-  result.Position = this->Tolerance * this->Diagonal(model);
+  const double diagonal = this->Diagonal(model);
+  // A model without extent has no error either.
+  result.Position = this->Tolerance * (diagonal > 0.0 ? diagonal : 1.0);
 
   if (!this->RangesKnown)
   {
     for (const hyperpatch::Patch& patch : model.Patches)
     {
-      std::ptrdiff_t spans = 1;
-      for (std::size_t d = 0; d < 3; ++d)
-      {
-        const auto here = patch.Body.Geometry().Knots()[d].Spans().size();
-        spans *= std::max<std::ptrdiff_t>(patch.WholeSpans[d], static_cast<std::ptrdiff_t>(here));
-      }
       for (const hyperpatch::Attribute& attribute : patch.Body.Attributes())
       {
-        const auto range = SampledRange(attribute.Field, spans <= 10000);
+        const auto range = SampledRange(attribute.Field);
         const auto [at, isNew] = this->LocalRanges.insert(
           { attribute.Name, { attribute.Field.Components(), range[0], range[1] } });
         at->second.Low = std::min(at->second.Low, range[0]);
@@ -124,12 +135,40 @@ vtkNURBSMeshAlgorithm::AbsoluteTolerances vtkNURBSMeshAlgorithm::FindTolerances(
     i += 2 + length;
   }
 
+  int misfits = 0;
+  for (const hyperpatch::Patch& patch : model.Patches)
+  {
+    for (const hyperpatch::Attribute& attribute : patch.Body.Attributes())
+    {
+      misfits += attribute.Field.Components() != result.Components.at(attribute.Name) ? 1 : 0;
+    }
+  }
+  if (misfits > 0)
+  {
+    vtkWarningMacro(
+      << misfits
+      << " attributes have another number of components than their namesakes in other "
+         "patches: they are NaN in the output");
+  }
+  for (const char* ours : { "Normals", "ParametricCoordinates" })
+  {
+    if (result.Components.erase(ours) > 0)
+    {
+      vtkWarningMacro("the attribute \""
+        << ours << "\" is left out: an array of the output has that name. Rename it");
+    }
+  }
+
   std::vector<double> low(result.Components.size(), INFINITY);
   std::vector<double> high(result.Components.size(), -INFINITY);
   for (const auto& [name, range] : this->LocalRanges)
   {
-    const auto i = static_cast<std::size_t>(
-      std::distance(result.Components.begin(), result.Components.find(name)));
+    const auto found = result.Components.find(name);
+    if (found == result.Components.end())
+    {
+      continue;
+    }
+    const auto i = static_cast<std::size_t>(std::distance(result.Components.begin(), found));
     low[i] = range.Low;
     high[i] = range.High;
   }

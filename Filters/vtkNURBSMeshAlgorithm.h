@@ -48,7 +48,8 @@ public:
   ///@{
   /**
    * Largest difference between linear interpolation in a cell and the exact value of each carried
-   * attribute, as a fraction of that attribute's range. Default 1e-2; 0 is off.
+   * attribute, as a fraction of that attribute's range. Default 1e-2; 0 is off. Attributes of
+   * degree 0, which jump at knots, ask for nothing.
    */
   vtkSetClampMacro(AttributeTolerance, double, 0.0, std::numeric_limits<double>::max());
   vtkGetMacro(AttributeTolerance, double);

@@ -18,6 +18,7 @@
 #include "vtkSphere.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 VTK_ABI_NAMESPACE_BEGIN
@@ -67,11 +68,10 @@ std::optional<hyperpatch::Quadric> AsQuadric(
   b /= size;
   if (plane)
   {
-    return hyperpatch::Quadric{ Eigen::MatrixXd(), b, c - b.dot(centre) };
+    return hyperpatch::Quadric{ Eigen::MatrixXd(), b, c, centre };
   }
   A /= size * size;
-  const Eigen::Vector3d slope = b - 2.0 * A * centre;
-  return hyperpatch::Quadric{ A, slope, c - b.dot(centre) + centre.dot(A * centre) };
+  return hyperpatch::Quadric{ A, b, c, centre };
 }
 
 }
@@ -157,12 +157,28 @@ void vtkNURBSSlice::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* 
   const hyperpatch::Bounds bounds = hyperpatch::ControlPointBounds(model);
   const Eigen::Vector3d low(bounds.Low.data());
   const Eigen::Vector3d high(bounds.High.data());
+  for (const double offset : this->OffsetValues)
+  {
+    if (!std::isfinite(offset))
+    {
+      throw hyperpatch::Error("an offset value is not a finite number");
+    }
+  }
   std::vector<Task> tasks;
   std::optional<hyperpatch::Quadric> quadric;
   if (!model.Patches.empty())
   {
     const double size = (high - low).norm();
     quadric = AsQuadric(this->SliceFunction, 0.5 * (low + high), size > 0.0 ? size : 1.0);
+  }
+  if (quadric && !(quadric->b.allFinite() && quadric->A.allFinite() && std::isfinite(quadric->c)))
+  {
+    throw hyperpatch::Error(
+      "the function to slice with has parameters that are not finite numbers");
+  }
+  if (quadric && quadric->IsLinear() && quadric->b.isZero(0.0))
+  {
+    throw hyperpatch::Error("the normal of the plane is zero");
   }
   for (const PreparedPatch& patch : this->Prepare(model))
   {

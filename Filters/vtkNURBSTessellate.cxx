@@ -39,8 +39,7 @@ void vtkNURBSTessellate::Execute(const hyperpatch::MultiPatch& model, vtkDataObj
   {
     const hyperpatch::Patch& patch = model.Patches[i];
     hyperpatch::TessellationOptions options;
-    // A model without extent has no error either.
-    options.Tolerance = tolerances.Position > 0.0 ? tolerances.Position : this->GetTolerance();
+    options.Tolerance = tolerances.Position;
     options.AttributeTolerances = tolerances.Of(patch);
     options.KnotLines = this->KnotLines;
     options.For = std::move(loop);

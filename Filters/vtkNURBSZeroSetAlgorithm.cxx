@@ -185,7 +185,14 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   addNumber("LargestResidual", certificate.LargestResidual);
   addNumber("LargestError", certificate.LargestError);
   addCount("ToleranceReached", certificate.ToleranceReached ? 1 : 0);
-  if (!certificate.ToleranceReached)
+  if (!certificate.ToleranceReached && certificate.LargestError <= tolerances.Position &&
+    certificate.LargestAttributeError <= 1.0)
+  {
+    vtkWarningMacro("the limit of refinement was reached with "
+      << certificate.UndecidedCells
+      << " cells in which a zero could neither be seen nor excluded (UndecidedCells)");
+  }
+  else if (!certificate.ToleranceReached)
   {
     vtkWarningMacro(
       "the limit of refinement was reached before the tolerance: the measured error is "

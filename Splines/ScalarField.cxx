@@ -91,22 +91,27 @@ BezierBox OnBezierBox(const Spline& spline, const ParameterBox& box)
   return result;
 }
 
-ParameterBox Domain(const Spline& spline)
-{
-  ParameterBox box{};
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    box.Low[d] = spline.Knots()[d].First();
-    box.High[d] = spline.Knots()[d].Last();
-  }
-  return box;
-}
-
 /// How many ulp of its largest control point a value may be off.
 double Operations(const Spline& spline)
 {
   const auto p = spline.Degrees();
   return 4.0 + 2.0 * (p[0] + p[1] + p[2]);
+}
+
+/// The value, or 0 where it is no more than the rounding error of a point of that many operations.
+double ValueOrZero(const Quadric& q, const double* x, double operations)
+{
+  const double value = q.Value(x);
+  return std::abs(value) <= UnitRoundoff * operations * q.Terms(x) ? 0.0 : value;
+}
+
+/// The determinant, or 0 where it is no more than the rounding error of its columns.
+double DeterminantOrZero(const Eigen::Matrix3d& J, double operations)
+{
+  const double value = J.determinant();
+  const double noise =
+    UnitRoundoff * operations * J.col(0).norm() * J.col(1).norm() * J.col(2).norm();
+  return std::abs(value) <= noise ? 0.0 : value;
 }
 
 }
@@ -118,26 +123,41 @@ bool ScalarField::Excludes(const ParameterBox& /*box*/) const
   return false;
 }
 
-double ScalarField::Noise() const
-{
-  return 0.0;
-}
-
 void ScalarField::Snap(std::size_t /*count*/, double* /*points*/) const {}
 
 //------------------------------------------------------------------------------------------------
 double Quadric::Value(const double* x) const
 {
   const Eigen::Index m = this->b.size();
+  const auto y = [this, x](Eigen::Index i)
+  { return this->Origin.size() > 0 ? x[i] - this->Origin[i] : x[i]; };
   double sum = this->c;
   for (Eigen::Index i = 0; i < m; ++i)
   {
     double factor = this->b[i];
     for (Eigen::Index j = 0; j < m && !this->IsLinear(); ++j)
     {
-      factor += this->A(i, j) * x[j];
+      factor += this->A(i, j) * y(j);
     }
-    sum += factor * x[i];
+    sum += factor * y(i);
+  }
+  return sum;
+}
+
+double Quadric::Terms(const double* x) const
+{
+  const Eigen::Index m = this->b.size();
+  const bool shifted = this->Origin.size() > 0;
+  double sum = std::abs(this->c);
+  for (Eigen::Index i = 0; i < m; ++i)
+  {
+    double slope = std::abs(this->b[i]);
+    for (Eigen::Index j = 0; j < m && !this->IsLinear(); ++j)
+    {
+      slope += 2.0 * std::abs(this->A(i, j) * (shifted ? x[j] - this->Origin[j] : x[j]));
+    }
+    // A difference from the origin is as uncertain as what it is the difference of.
+    sum += slope * (shifted ? std::abs(x[i]) + std::abs(this->Origin[i]) : std::abs(x[i]));
   }
   return sum;
 }
@@ -150,7 +170,8 @@ void Quadric::Gradient(const double* x, double* gradient) const
     gradient[i] = this->b[i];
     for (Eigen::Index j = 0; j < m && !this->IsLinear(); ++j)
     {
-      gradient[i] += 2.0 * this->A(i, j) * x[j];
+      const double y = this->Origin.size() > 0 ? x[j] - this->Origin[j] : x[j];
+      gradient[i] += 2.0 * this->A(i, j) * y;
     }
   }
 }
@@ -162,14 +183,15 @@ Quadric ComponentEquals(const Spline& attribute, int component, double value)
     throw hyperpatch::Error("component " + std::to_string(component) +
       " is not one of the attribute's " + std::to_string(attribute.Components()));
   }
-  return { Eigen::MatrixXd(), Eigen::VectorXd::Unit(attribute.Components(), component), -value };
+  return { Eigen::MatrixXd(), Eigen::VectorXd::Unit(attribute.Components(), component), -value,
+    Eigen::VectorXd() };
 }
 
 Quadric MagnitudeEquals(const Spline& attribute, double value)
 {
   const Eigen::Index m = attribute.Components();
   return { Eigen::MatrixXd::Identity(m, m), Eigen::VectorXd::Zero(m),
-    value < 0.0 ? 1.0 : -value * value };
+    value < 0.0 ? 1.0 : -value * value, Eigen::VectorXd() };
 }
 
 QuadricField::QuadricField(
@@ -179,23 +201,11 @@ QuadricField::QuadricField(
   , Physical(isPhysical)
 {
   const Eigen::Index m = this->S->Spline().Components();
-  if (this->Q.b.size() != m ||
+  if (this->Q.b.size() != m || (this->Q.Origin.size() != 0 && this->Q.Origin.size() != m) ||
     (!this->Q.IsLinear() && (this->Q.A.rows() != m || this->Q.A.cols() != m)))
   {
     throw hyperpatch::Error("the quadric is not one of " + std::to_string(m) + " components");
   }
-  // Values are right to a few ulp per degree of the control points' magnitude; so are the terms.
-  const ParameterBox all = Domain(this->S->Spline());
-  Eigen::VectorXd low(m);
-  Eigen::VectorXd high(m);
-  this->S->Bounds().Find(all, low.data(), high.data());
-  const Eigen::VectorXd largest = low.cwiseAbs().cwiseMax(high.cwiseAbs());
-  double terms = std::abs(this->Q.c) + this->Q.b.cwiseAbs().dot(largest);
-  if (!this->Q.IsLinear())
-  {
-    terms += 2.0 * largest.dot(this->Q.A.cwiseAbs() * largest);
-  }
-  this->Error = UnitRoundoff * Operations(this->S->Spline()) * terms;
 }
 
 QuadricField::QuadricField(const Spline& spline, Quadric quadric, bool isPhysical)
@@ -205,6 +215,7 @@ QuadricField::QuadricField(const Spline& spline, Quadric quadric, bool isPhysica
 
 void QuadricField::Evaluate(std::size_t count, const double* parameters, double* values) const
 {
+  const double operations = Operations(this->S->Spline());
   const auto m = static_cast<std::size_t>(this->S->Spline().Components());
   std::vector<double> points(m * std::min(count, Chunk));
   for (std::size_t first = 0; first < count; first += Chunk)
@@ -213,7 +224,7 @@ void QuadricField::Evaluate(std::size_t count, const double* parameters, double*
     this->S->Evaluator().Evaluate(n, parameters + 3 * first, points.data());
     for (std::size_t i = 0; i < n; ++i)
     {
-      values[first + i] = this->Q.Value(points.data() + m * i);
+      values[first + i] = ValueOrZero(this->Q, points.data() + m * i, operations);
     }
   }
 }
@@ -221,6 +232,7 @@ void QuadricField::Evaluate(std::size_t count, const double* parameters, double*
 void QuadricField::EvaluateWithGradient(
   std::size_t count, const double* parameters, double* values, double* gradients) const
 {
+  const double operations = Operations(this->S->Spline());
   const auto m = static_cast<std::size_t>(this->S->Spline().Components());
   std::vector<double> points(m * std::min(count, Chunk));
   std::vector<double> derivatives(3 * points.size());
@@ -233,7 +245,7 @@ void QuadricField::EvaluateWithGradient(
     for (std::size_t i = 0; i < n; ++i)
     {
       const double* x = points.data() + m * i;
-      values[first + i] = this->Q.Value(x);
+      values[first + i] = ValueOrZero(this->Q, x, operations);
       this->Q.Gradient(x, g.data());
       for (std::size_t d = 0; d < 3; ++d)
       {
@@ -268,24 +280,27 @@ std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
   this->Q.Gradient(centre.data(), slope.data());
   const double value = this->Q.Value(centre.data());
 
-  // The linear part, b . (X - c W) + q(c) W. Each coefficient is a short sum: right to a few ulp of
-  // its terms, besides what the points bring along.
+  // The linear part, b . (X - c W) + q(c) W. Each coefficient is a short sum, right to a few ulp of
+  // its terms besides what the points bring along. Decisions here and at corners must not
+  // contradict each other, so the bound is no less than what Evaluate() takes for 0.
   const double largestWeight = rational ? points.row(m).maxCoeff() : 1.0;
-  double terms = std::abs(this->Q.c);
+  double terms = this->Q.Terms(centre.data());
+  Eigen::VectorXd point(m);
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+  {
+    point = points.col(i).head(m) / (rational ? points(m, i) : 1.0);
+    terms = std::max(terms, this->Q.Terms(point.data()));
+  }
   double shift = std::abs(value);
   for (int c = 0; c < m; ++c)
   {
-    terms += std::abs(this->Q.b[c] * centre[c]);
     shift += std::abs(slope[c]) *
       (points.row(c).cwiseAbs().maxCoeff() + std::abs(centre[c]) * largestWeight);
   }
-  if (!this->Q.IsLinear())
-  {
-    terms += centre.cwiseAbs().dot(this->Q.A.cwiseAbs() * centre.cwiseAbs());
-  }
+  const double noise = UnitRoundoff * (Operations(spline) + 4 * (m + 2)) * terms * largestWeight;
   const double error = bezier.Error *
       (slope.cwiseAbs().sum() + slope.cwiseAbs().dot(centre.cwiseAbs()) + std::abs(value)) +
-    UnitRoundoff * 4 * (m + 2) * (terms * largestWeight + shift);
+    UnitRoundoff * 4 * (m + 2) * shift + noise;
   Eigen::VectorXd coefficients = points.topRows(m).transpose() * slope;
   const double constant = value - slope.dot(centre);
   if (rational)
@@ -296,12 +311,11 @@ std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
   {
     coefficients.array() += constant;
   }
+  const Bernstein linear(degrees, std::move(coefficients), error);
   if (this->Q.IsLinear())
   {
-    // Decisions here and at corners, where Evaluate() counts, must not contradict each other.
-    return Bernstein(degrees, std::move(coefficients), error + this->Error * largestWeight);
+    return linear;
   }
-  const Bernstein linear(degrees, std::move(coefficients), error);
 
   const Bernstein weight = rational ? Bernstein(degrees, points.row(m).transpose(), bezier.Error)
                                     : Bernstein(degrees, Eigen::VectorXd::Ones(points.cols()));
@@ -322,8 +336,7 @@ std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
       }
     }
   }
-  return Bernstein(sum.Degrees(), sum.Coefficients(),
-    sum.RoundingBound() + this->Error * largestWeight * largestWeight);
+  return Bernstein(sum.Degrees(), sum.Coefficients(), sum.RoundingBound() + noise * largestWeight);
 }
 
 bool QuadricField::Excludes(const ParameterBox& box) const
@@ -341,14 +354,12 @@ bool QuadricField::Excludes(const ParameterBox& box) const
   Eigen::Map<Eigen::VectorXd> half(bounds + m, m);
   Eigen::Map<Eigen::VectorXd> slope(bounds + 2 * m, m);
   this->S->Bounds().Find(box, centre.data(), half.data());
-  double terms = std::abs(this->Q.c);
   for (int i = 0; i < m; ++i)
   {
     const double low = centre[i];
     const double high = half[i];
     centre[i] = 0.5 * (low + high);
     half[i] = 0.5 * (high - low);
-    terms += std::abs(this->Q.b[i] * centre[i]);
   }
   const double value = this->Q.Value(centre.data());
   this->Q.Gradient(centre.data(), slope.data());
@@ -359,11 +370,12 @@ bool QuadricField::Excludes(const ParameterBox& box) const
     for (int j = 0; j < m && !this->Q.IsLinear(); ++j)
     {
       reach += std::abs(this->Q.A(i, j)) * half[i] * half[j];
-      terms += std::abs(this->Q.A(i, j) * centre[i] * centre[j]);
     }
   }
-  // The sums are short: right to a few ulp of their terms.
-  const double error = UnitRoundoff * 4 * (m + 2) * (terms + reach);
+  // The sums are short, right to a few ulp of their terms, and Evaluate() takes a little more for
+  // 0.
+  const double error = UnitRoundoff * (Operations(this->S->Spline()) + 4 * (m + 2)) * 2.0 *
+    (this->Q.Terms(centre.data()) + reach);
   if (std::abs(value) > reach + error)
   {
     return true;
@@ -424,24 +436,6 @@ JacobianField::JacobianField(std::shared_ptr<const PreparedSpline> geometry)
   {
     throw hyperpatch::Error("the Jacobian determinant needs a volume with three coordinates");
   }
-  // Derivatives are differences of control points over knot differences.
-  const Spline& spline = this->S->Spline();
-  const Eigen::MatrixXd& points = spline.Coefficients();
-  const double size = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
-  const double magnitude = points.cwiseAbs().maxCoeff();
-  const double weights =
-    spline.IsRational() ? spline.Weights().maxCoeff() / spline.Weights().minCoeff() : 1.0;
-  double slopes = 1.0;
-  for (const KnotVector& knots : spline.Knots())
-  {
-    double shortest = knots.Last() - knots.First();
-    for (const int span : knots.Spans())
-    {
-      shortest = std::min(shortest, knots[span + 1] - knots[span]);
-    }
-    slopes *= knots.Degree() / shortest;
-  }
-  this->Error = UnitRoundoff * Operations(spline) * weights * slopes * size * size * magnitude;
 }
 
 JacobianField::JacobianField(const Spline& geometry)
@@ -451,6 +445,7 @@ JacobianField::JacobianField(const Spline& geometry)
 
 void JacobianField::Evaluate(std::size_t count, const double* parameters, double* values) const
 {
+  const double operations = Operations(this->S->Spline());
   std::vector<double> points(3 * std::min(count, Chunk));
   std::vector<double> derivatives(9 * std::min(count, Chunk));
   for (std::size_t first = 0; first < count; first += Chunk)
@@ -460,8 +455,8 @@ void JacobianField::Evaluate(std::size_t count, const double* parameters, double
       n, parameters + 3 * first, points.data(), derivatives.data());
     for (std::size_t i = 0; i < n; ++i)
     {
-      values[first + i] =
-        Eigen::Map<const Eigen::Matrix3d>(derivatives.data() + 9 * i).determinant();
+      values[first + i] = DeterminantOrZero(
+        Eigen::Map<const Eigen::Matrix3d>(derivatives.data() + 9 * i), operations);
     }
   }
 }
@@ -469,6 +464,7 @@ void JacobianField::Evaluate(std::size_t count, const double* parameters, double
 void JacobianField::EvaluateWithGradient(
   std::size_t count, const double* parameters, double* values, double* gradients) const
 {
+  const double operations = Operations(this->S->Spline());
   std::vector<double> points(3 * std::min(count, Chunk));
   std::vector<double> derivatives(9 * std::min(count, Chunk));
   std::vector<double> seconds(18 * std::min(count, Chunk));
@@ -483,7 +479,7 @@ void JacobianField::EvaluateWithGradient(
     {
       const Eigen::Map<const Eigen::Matrix3d> J(derivatives.data() + 9 * i);
       const Eigen::Map<const Eigen::Matrix<double, 3, 6>> H(seconds.data() + 18 * i);
-      values[first + i] = J.determinant();
+      values[first + i] = DeterminantOrZero(J, operations);
       for (int d = 0; d < 3; ++d)
       {
         double sum = 0.0;

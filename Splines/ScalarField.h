@@ -29,8 +29,10 @@ class ScalarField
 public:
   virtual ~ScalarField();
 
-  /// \param parameters 3 x count
-  /// \param values count
+  /// A value that is no larger than its own rounding error is returned as 0, so that a surface
+  /// which lies in a face or knot plane is that plane and no noise about it. The same parameters
+  /// give the same value, whatever they are evaluated with. \param parameters 3 x count \param
+  /// values count
   virtual void Evaluate(std::size_t count, const double* parameters, double* values) const = 0;
 
   /// \param gradients 3 x count, with respect to the patch's parameters
@@ -47,25 +49,25 @@ public:
   /// True if f certainly has no zero on the box, which may be of any size; cheap, may be false.
   [[nodiscard]] virtual bool Excludes(const ParameterBox& box) const;
 
-  /// What |f| may be where f is zero, by round-off of Evaluate(): values below it count as zero, so
-  /// that a surface which lies in a face or knot plane is that plane and no noise about it.
-  [[nodiscard]] virtual double Noise() const;
-
   /// Moves points of the zero set, right up to round-off, onto the surface where that is known in
   /// physical space. \param points 3 x count
   virtual void Snap(std::size_t count, double* points) const;
 };
 
-/// A function of degree two of the components of a spline: x' A x + b . x + c.
+/// A function of degree two of the components x of a spline: y' A y + b . y + c with y = x -
+/// Origin. The origin should be near the spline: far from it the terms lose the digits that count.
 struct Quadric
 {
   Eigen::MatrixXd A; ///< m x m, symmetric; empty where the function is linear (a plane)
   Eigen::VectorXd b; ///< m
   double c = 0.0;
+  Eigen::VectorXd Origin; ///< m, or empty for 0
 
   [[nodiscard]] bool IsLinear() const { return this->A.size() == 0; }
   /// \param x m numbers
   [[nodiscard]] double Value(const double* x) const;
+  /// Sum of the magnitudes of the terms of Value(): what its rounding error is relative to.
+  [[nodiscard]] double Terms(const double* x) const;
   /// \param gradient m numbers
   void Gradient(const double* x, double* gradient) const;
 };
@@ -87,14 +89,12 @@ public:
   [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
   [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
   [[nodiscard]] bool Excludes(const ParameterBox& box) const override;
-  [[nodiscard]] double Noise() const override { return this->Error; }
   void Snap(std::size_t count, double* points) const override;
 
 private:
   std::shared_ptr<const PreparedSpline> S;
   Quadric Q;
   bool Physical;
-  double Error; ///< of Evaluate()
 };
 
 /// The quadric whose zeros are where one component of an attribute has a value.
@@ -118,11 +118,9 @@ public:
     std::size_t count, const double* parameters, double* values, double* gradients) const override;
   [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
   [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
-  [[nodiscard]] double Noise() const override { return this->Error; }
 
 private:
   std::shared_ptr<const PreparedSpline> S;
-  double Error; ///< of Evaluate()
 };
 
 /// f = g(P) for a function g on physical space that can only be sampled.

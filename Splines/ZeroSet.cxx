@@ -49,7 +49,6 @@ ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const
   , Body(this->Prepared->Body())
   , Field(field)
   , Options(std::move(options))
-  , Noise(field.Noise())
   , Geometry(this->Prepared->Geometry()->Evaluator())
 {
   const Aggregate& body = this->Body;
@@ -153,8 +152,11 @@ bool ZeroSet::Worker::Extract()
     growth *= sum(this->Wanted[D]) / sum(this->Grid.Counts[D]);
   }
   const double surface = std::pow(growth, 1.0 - 1.0 / static_cast<double>(this->Axes.size()));
-  if (static_cast<double>(this->Crossed.size()) * surface > this->Options.MaximumCells &&
-    this->Wanted != this->Grid.Counts)
+  const auto cells = static_cast<double>(
+    this->Certificate.CrossedCells + this->Certificate.UndecidedCells - this->Sampled);
+  const bool tooMany = cells * surface > this->Options.MaximumCells ||
+    static_cast<double>(this->Sampled) * growth > 8.0 * this->Options.MaximumCells;
+  if (tooMany && this->Wanted != this->Grid.Counts)
   {
     this->Wanted = this->Grid.Counts;
     this->Certificate.ToleranceReached = false;

@@ -122,7 +122,7 @@ void ZeroSet::Worker::MeasureCells(Index begin, Index end, ZeroSetCertificate& c
       const Eigen::Vector3d direction = step.col(q).cwiseProduct(gradients.col(q));
       const double slope = direction.dot(gradients.col(q));
       Eigen::Vector3d move = Eigen::Vector3d::Zero();
-      if (slope > 0.0 && std::abs(values[static_cast<std::size_t>(q)]) > this->Noise)
+      if (slope > 0.0 && values[static_cast<std::size_t>(q)] != 0.0)
       {
         move = -values[static_cast<std::size_t>(q)] / slope * direction;
         // Further than the cell is wide is no step of Newton's but noise at a singular point.

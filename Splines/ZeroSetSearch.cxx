@@ -57,6 +57,30 @@ double ZeroSet::Worker::Width(const Cell& at) const
   return box.diagonal().norm();
 }
 
+bool ZeroSet::Worker::IsDrawn(const CrossedCell& touched) const
+{
+  for (int c = 0; c < 1 << this->Axes.size(); ++c)
+  {
+    if ((touched.Zero >> c & 1u) == 0)
+    {
+      continue;
+    }
+    Cell corner = touched.At;
+    for (std::size_t a = 0; a < this->Axes.size(); ++a)
+    {
+      corner[static_cast<std::size_t>(this->Axes[a])] += c >> a & 1;
+    }
+    const Index key = 4 * this->Corner(corner) + 3;
+    const auto at = std::lower_bound(this->Vertices.begin(), this->Vertices.end(), key,
+      [](const Crossing& crossing, Index k) { return crossing.Key < k; });
+    if (at != this->Vertices.end() && at->Key == key)
+    {
+      return true;
+    }
+  }
+  return false;
+}
+
 bool ZeroSet::Worker::IsUndecided(const Bernstein& f) const
 {
   double low = INFINITY;
@@ -166,10 +190,6 @@ void ZeroSet::Worker::SignCells(const std::vector<Cell>& cells, bool certified, 
     }
     values.resize(parameters.size() / 3);
     this->Field.Evaluate(values.size(), parameters.data(), values.data());
-    for (double& value : values)
-    {
-      value = std::abs(value) <= this->Noise ? 0.0 : value;
-    }
     for (Index i = first; i < last; ++i)
     {
       const Cell& at = cells[static_cast<std::size_t>(i)];
@@ -184,9 +204,14 @@ void ZeroSet::Worker::SignCells(const std::vector<Cell>& cells, bool certified, 
       if (!certified)
       {
         ++found.Undecided;
+        ++found.Sampled;
       }
       if (cell.Positive == 0 || cell.Positive == (1u << corners) - 1)
       {
+        if (cell.Zero != 0 && certified)
+        {
+          found.Touched.push_back(cell);
+        }
         continue;
       }
       found.Crossed.push_back(cell);
@@ -274,6 +299,11 @@ void ZeroSet::Worker::SearchElement(
         }
       }
     }
+    // Nothing is known between the corners: look as closely as features are to be seen.
+    if (this->Width(low) > this->Options.FeatureSize)
+    {
+      found.Wide.push_back(low);
+    }
   }
   this->SignCells(cells, f.has_value(), found);
 }
@@ -316,11 +346,13 @@ bool ZeroSet::Worker::FindCrossings()
   this->Crossed.clear();
   this->Vertices.clear();
   this->LargestValue = 0.0;
+  this->Sampled = 0;
   for (const Found& f : found)
   {
     this->Crossed.insert(this->Crossed.end(), f.Crossed.begin(), f.Crossed.end());
     this->Vertices.insert(this->Vertices.end(), f.Crossings.begin(), f.Crossings.end());
     this->Certificate.UndecidedCells += f.Undecided;
+    this->Sampled += f.Sampled;
     this->LargestValue = std::max(this->LargestValue, f.LargestValue);
     for (const Cell& wide : f.Wide)
     {
@@ -333,6 +365,14 @@ bool ZeroSet::Worker::FindCrossings()
   const auto last = std::unique(this->Vertices.begin(), this->Vertices.end(),
     [](const Crossing& a, const Crossing& b) { return a.Key == b.Key; });
   this->Vertices.erase(last, this->Vertices.end());
+  // f is zero there and drawn by nobody: it touches zero, or a face lies in the zero set.
+  for (const Found& f : found)
+  {
+    for (const CrossedCell& touched : f.Touched)
+    {
+      this->Certificate.UndecidedCells += this->IsDrawn(touched) ? 0 : 1;
+    }
+  }
   return true;
 }
 

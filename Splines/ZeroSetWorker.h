@@ -54,7 +54,9 @@ private:
     std::vector<Crossing> Crossings;
     Index Undecided = 0;
     double LargestValue = 0.0;
-    std::vector<Cell> Wide; ///< undecided cells that are wider than the feature size
+    std::vector<Cell> Wide;           ///< undecided cells that are wider than the feature size
+    std::vector<CrossedCell> Touched; ///< no sign change, but corners where f is zero
+    Index Sampled = 0;                ///< cells of a field without bounds
   };
 
   void MakeLines();
@@ -87,6 +89,8 @@ private:
     return at[0] + this->Counts[0] * (at[1] + this->Counts[1] * static_cast<Index>(at[2]));
   }
   [[nodiscard]] Cell CornerOfKey(Index key) const;
+  /// Whether the mesh has a vertex in a corner of the cell where f is zero.
+  [[nodiscard]] bool IsDrawn(const CrossedCell& touched) const;
   [[nodiscard]] double Line(int direction, int i) const
   {
     return this->Lines[static_cast<std::size_t>(direction)][static_cast<std::size_t>(i)];
@@ -105,7 +109,6 @@ private:
   const Aggregate& Body;
   const ScalarField& Field;
   ZeroSetOptions Options;
-  double Noise; ///< of the field
   const Evaluator& Geometry;
   std::vector<const Evaluator*> Attributes;
   std::vector<int> Axes; ///< the directions that are there
@@ -118,6 +121,7 @@ private:
   std::vector<Crossing> Vertices; ///< unique, sorted by key
   std::vector<Cell> CellOfPiece;  ///< per mesh cell
   double LargestValue = 0.0;
+  Index Sampled = 0;
 };
 
 }

@@ -260,6 +260,81 @@ TEST(NURBSSlice, WithoutAFunctionIsAnError)
   EXPECT_NE(run.Errors[0].find("set SliceFunction"), std::string::npos);
 }
 
+TEST(NURBSSlice, FarSpheresAreExactAndBoxesInsideOneElementAreFound)
+{
+  Spline tube = models::QuarterTube();
+  Eigen::MatrixXd moved = tube.Coefficients();
+  moved.colwise() += Eigen::Vector3d(1e6, -2e6, 3e5);
+  FilterRun<vtkNURBSSlice> far(Alone(Spline(tube.Knots(), moved, tube.Weights())));
+  vtkNew<vtkSphere> sphere;
+  sphere->SetCenter(1e6 + 1.0, -2e6 + 1.0, 3e5 + 0.5);
+  sphere->SetRadius(0.4);
+  far.F->SetSliceFunction(sphere);
+  vtkPolyData* ball = far.Update();
+  ASSERT_GT(ball->GetNumberOfCells(), 100);
+  for (vtkIdType v = 0; v < ball->GetNumberOfPoints(); ++v)
+  {
+    EXPECT_NEAR(sphere->EvaluateFunction(ball->GetPoint(v)), 0.0, 1e-12 * 2e6);
+  }
+
+  FilterRun<vtkNURBSSlice> run(Alone(models::QuarterTube()));
+  vtkNew<vtkBox> box;
+  box->SetBounds(0.9, 1.2, 0.9, 1.2, 0.4, 0.6);
+  run.F->SetSliceFunction(box);
+  run.F->SetTolerance(1e-2);
+  EXPECT_GT(run.Update()->GetNumberOfCells(), 0);
+}
+
+TEST(NURBSSlice, NumbersThatAreNoneAreRefused)
+{
+  vtkNew<vtkPlane> plane;
+  plane->SetNormal(0, 0, 1);
+  plane->SetOrigin(0, 0, 0.5);
+  const auto expectError = [](FilterRun<vtkNURBSSlice>& run, const char* part)
+  {
+    EXPECT_EQ(run.Update()->GetNumberOfPoints(), 0);
+    ASSERT_GE(run.Errors.size(), 1u);
+    EXPECT_NE(run.Errors[0].find(part), std::string::npos) << run.Errors[0];
+  };
+  FilterRun<vtkNURBSSlice> offset(TwoTubes());
+  offset.F->SetSliceFunction(plane);
+  offset.F->SetOffsetValue(0, NAN);
+  expectError(offset, "offset value");
+  FilterRun<vtkNURBSSlice> tolerance(TwoTubes());
+  tolerance.F->SetSliceFunction(plane);
+  tolerance.F->SetTolerance(NAN);
+  expectError(tolerance, "Tolerance");
+  FilterRun<vtkNURBSSlice> normal(TwoTubes());
+  vtkNew<vtkPlane> none;
+  none->SetNormal(0, 0, 0);
+  normal.F->SetSliceFunction(none);
+  expectError(normal, "normal");
+}
+
+TEST(NURBSSlice, AttributesThatJumpAskForNothing)
+{
+  MultiPatch model;
+  const KnotVector steps(0, { 0, 0.5, 1 });
+  Eigen::MatrixXd material(1, 2);
+  material << 1, 2;
+  model.Patches.push_back({ 0,
+    Aggregate(models::QuarterTube(),
+      { { "Material", Spline({ steps, KnotVector(), KnotVector() }, material) },
+        { "Normals", models::QuarterTube() } }) });
+  FilterRun<vtkNURBSSlice> run(model);
+  vtkNew<vtkPlane> plane;
+  plane->SetNormal(0.2, 0.3, 1);
+  plane->SetOrigin(1, 1, 0.5);
+  run.F->SetSliceFunction(plane);
+  vtkPolyData* mesh = run.Update();
+  EXPECT_GT(mesh->GetNumberOfCells(), 0);
+  EXPECT_LT(mesh->GetNumberOfCells(), 2000);
+  // The name of an output array is not for attributes; that is said.
+  ASSERT_EQ(run.Warnings.size(), 1u);
+  EXPECT_NE(run.Warnings[0].find("Normals"), std::string::npos);
+  EXPECT_EQ(mesh->GetPointData()->GetArray("Normals")->GetNumberOfComponents(), 3);
+}
+
 TEST(NURBSSlice, AChangedFunctionIsSeen)
 {
   FilterRun<vtkNURBSSlice> run(TwoTubes());

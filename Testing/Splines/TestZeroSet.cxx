@@ -64,12 +64,13 @@ Spline UnitBox(int degree, int size)
 
 Quadric Sphere(const Eigen::Vector3d& centre, double radius)
 {
-  return { Eigen::Matrix3d::Identity(), -2.0 * centre, centre.squaredNorm() - radius * radius };
+  return { Eigen::Matrix3d::Identity(), -2.0 * centre, centre.squaredNorm() - radius * radius,
+    Eigen::VectorXd() };
 }
 
 Quadric Plane(const Eigen::Vector3d& normal, double offset)
 {
-  return { Eigen::MatrixXd(), normal, -offset };
+  return { Eigen::MatrixXd(), normal, -offset, Eigen::VectorXd() };
 }
 
 double Area(const ZeroSetMesh& mesh)
@@ -493,8 +494,9 @@ TEST(ScalarField, RefusesWhatItCannotBe)
 {
   const Spline tube = models::QuarterTube();
   EXPECT_THROW((void)ComponentEquals(tube, 3, 0.0), Error);
-  EXPECT_THROW(
-    QuadricField(tube, { Eigen::MatrixXd(), Eigen::VectorXd::Ones(2), 0.0 }, true), Error);
+  EXPECT_THROW(QuadricField(tube,
+                 { Eigen::MatrixXd(), Eigen::VectorXd::Ones(2), 0.0, Eigen::VectorXd() }, true),
+    Error);
   const Spline sheet = Box({ KnotVector::Uniform(2, 3), KnotVector::Uniform(2, 3), KnotVector() });
   EXPECT_THROW(JacobianField{ sheet }, Error);
 }
@@ -590,4 +592,83 @@ TEST(ZeroSet, APlateauIsCountedAndEndsInBoundedTime)
     body, QuadricField(attribute, ComponentEquals(attribute, 0, 0.0), false), WithTolerance(1e-3));
   EXPECT_GE(r.Certificate.UndecidedCells, 1);
   EXPECT_TRUE(r.Certificate.ToleranceReached);
+}
+
+TEST(ZeroSet, AShortKnotSpanDoesNotHideTheSheet)
+{
+  // x = (u - 0.35)^2: det J = 0 on u = 0.35, whatever the knots elsewhere.
+  for (double h : { 1e-2, 1e-6, 1e-8 })
+  {
+    const KnotVector k(3, { 0, 0, 0, 0, 0.5, 0.5 + h, 1, 1, 1, 1 });
+    Eigen::MatrixXd points = Box({ k, k, k }).Coefficients();
+    for (int i = 0; i < 216; ++i)
+    {
+      // The blossom of (u - a)^2 at the knots of the control point.
+      const int n = i % 6;
+      const double a[3] = { k[n + 1] - 0.35, k[n + 2] - 0.35, k[n + 3] - 0.35 };
+      points(0, i) = (a[0] * a[1] + a[1] * a[2] + a[2] * a[0]) / 3.0;
+    }
+    const Aggregate body(Spline({ k, k, k }, points));
+    const Result r = Extract(body, JacobianField(body.Geometry()), WithTolerance(1e-3));
+    EXPECT_NEAR(Area(r.Mesh), 1.0, 1e-9) << h;
+    for (Eigen::Index v = 0; v < r.Mesh.Parameters.cols(); ++v)
+    {
+      EXPECT_NEAR(r.Mesh.Parameters(0, v), 0.35, 1e-9) << h;
+    }
+  }
+}
+
+TEST(ZeroSet, LargeValuesElsewhereDoNotHideAnIsosurface)
+{
+  const KnotVector k = KnotVector::Uniform(3, 8);
+  Eigen::MatrixXd values(1, 512);
+  for (int i = 0; i < 512; ++i)
+  {
+    values(0, i) = k.Greville(i % 8);
+  }
+  values(0, 511) = 1e14;
+  const Spline attribute({ k, k, k }, values);
+  const Aggregate body(Box({ k, k, k }), { { "A", attribute } });
+  const Result r = Extract(
+    body, QuadricField(attribute, ComponentEquals(attribute, 0, 0.1), false), WithTolerance(1e-3));
+  EXPECT_GT(Area(r.Mesh), 0.5);
+}
+
+TEST(ZeroSet, SpheresFarFromTheOriginAreSpheres)
+{
+  for (double far : { 0.0, 1e3, 1e6 })
+  {
+    const Eigen::Vector3d origin = Eigen::Vector3d::Constant(far);
+    const Spline box = UnitBox(2, 4);
+    const Aggregate body(Spline(box.Knots(), box.Coefficients().colwise() + origin));
+    const Eigen::Vector3d centre = origin + Eigen::Vector3d::Constant(0.5);
+    Quadric sphere = Sphere(Eigen::Vector3d::Zero(), 0.4);
+    sphere.Origin = centre;
+    const Result r =
+      Extract(body, QuadricField(body.Geometry(), sphere, true), WithTolerance(1e-3));
+    EXPECT_EQ(Inspect(r.Mesh).Euler, 2);
+    EXPECT_TRUE(Inspect(r.Mesh).Open.empty());
+    for (Eigen::Index v = 0; v < r.Mesh.Points.cols(); ++v)
+    {
+      EXPECT_NEAR((r.Mesh.Points.col(v) - centre).norm(), 0.4, 1e-14 + 1e-15 * far);
+    }
+  }
+}
+
+TEST(ZeroSet, ATouchOnAKnotPlaneIsUndecided)
+{
+  // |u - 1/2| is zero on the knot plane and positive on both sides.
+  const KnotVector k(1, { 0, 0, 0.5, 1, 1 });
+  const KnotVector v = KnotVector::Uniform(1, 2);
+  Eigen::MatrixXd values(1, 12);
+  for (int i = 0; i < 12; ++i)
+  {
+    values(0, i) = i % 3 == 1 ? 0.0 : 0.5;
+  }
+  const Spline attribute({ k, v, v }, values);
+  const Aggregate body(Box({ k, v, v }), { { "A", attribute } });
+  const Result r = Extract(
+    body, QuadricField(attribute, ComponentEquals(attribute, 0, 0.0), false), WithTolerance(1e-3));
+  EXPECT_EQ(r.Mesh.Cells.cols(), 0);
+  EXPECT_GE(r.Certificate.UndecidedCells, 2);
 }
