@@ -65,8 +65,9 @@ vtkNURBSSolidRepresentation::vtkNURBSSolidRepresentation()
   this->SetupDefaults();
 
   this->KnotLineMapper->ScalarVisibilityOff();
-  // Lines lie in the triangles: draw them in front.
-  this->KnotLineMapper->SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, -8.0);
+  // Lines lie in the triangles, and seen at a slant they sink between them: this is what it takes
+  // to draw them whole, 0.15 percent of the depth of the view.
+  this->KnotLineMapper->SetRelativeCoincidentTopologyLineOffsetParameters(-4.0, -100.0);
   this->KnotLines->SetMapper(this->KnotLineMapper);
   this->KnotLines->GetProperty()->LightingOff();
   this->KnotLines->PickableOff();

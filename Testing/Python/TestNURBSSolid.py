@@ -123,6 +123,33 @@ class NURBSSolid(unittest.TestCase):
         simple.Hide(self.model, self.view)
         self.assertEqual(self.edges().sum(), 0)
 
+    def test_thin_edges_are_whole(self):
+        self.display.Representation = 'NURBS Solid With Edges'
+        self.display.EdgeColor = [1, 0, 1]
+        # Across the pipe: the side is a quarter of a ring with one line along it.
+        self.view.CameraPosition = [0, 0, 10]
+        self.view.CameraFocalPoint = [0, 0, 0]
+        self.view.CameraViewUp = [0, 1, 0]
+        self.view.ResetCamera(False)
+        simple.ColorBy(self.display, ('POINTS', None))
+        red, green, blue = common.pixels(self.view).astype(int).transpose(2, 0, 1)
+        hit = numpy.minimum(red, blue) - green > 25  # thin lines are blended with what is behind
+        grown = hit.copy()
+        for rows in (-1, 0, 1):
+            for columns in (-1, 0, 1):
+                grown |= numpy.roll(hit, (rows, columns), (0, 1))
+        # Everything drawn hangs together where no pixel of a line is missing.
+        found = numpy.zeros_like(hit)
+        found[tuple(numpy.argwhere(hit)[0])] = True
+        count = 0
+        while found.sum() != count:
+            count = found.sum()
+            for axis in (0, 1):
+                for step in (-1, 1):
+                    found |= numpy.roll(found, step, axis) & grown
+        self.assertGreater(hit.sum(), 500)
+        self.assertEqual((hit & ~found).sum(), 0)
+
     def test_blocks_are_datasets(self):
         self.display.Representation = 'NURBS Solid With Edges'
         everything = common.silhouette(self.view)
