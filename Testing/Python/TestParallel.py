@@ -11,7 +11,9 @@ import common
 import numpy
 from paraview import simple
 
-FILTERS = ('tessellate', 'slice', 'contour', 'boundary')
+FILTERS = ('tessellate', 'slice', 'contour', 'boundary', 'extract')
+# Meets one end of either model.
+BOX = [0.0, 0.5, 0.0, 1.0, 0.0, 0.5]
 
 
 def rank():
@@ -30,6 +32,14 @@ def rank():
         data = proxy.GetClientSideObject().GetOutputDataObject(0)
         corners = common.cell_corners(data) if data.GetNumberOfCells() else numpy.zeros((0, 3, 3))
         numpy.save(os.path.join(folder, f'{name}-{ranks}-{number}.npy'), corners)
+    # The choice of a box is that of whole patches, whichever parts a process has.
+    chosen = simple.NURBSExtractPatches(Input=model, ExtractBy='Box')
+    chosen.Box = BOX
+    skin = simple.NURBSTessellate(Input=chosen)
+    skin.UpdatePipeline()
+    data = skin.GetClientSideObject().GetOutputDataObject(0)
+    corners = common.cell_corners(data) if data.GetNumberOfCells() else numpy.zeros((0, 3, 3))
+    numpy.save(os.path.join(folder, f'extract-{ranks}-{number}.npy'), corners)
     broken = simple.NURBSSlice(Input=simple.PassArrays(
         Input=model, PointDataArrays=[arguments[0]], FieldDataArrays=['SplineLayout', 'Knots']))
     broken.UpdatePipeline()
