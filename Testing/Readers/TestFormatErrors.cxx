@@ -348,11 +348,21 @@ TEST(FormatErrors, ReadSplineFileBeginsWithTheFileName)
 TEST(FormatErrors, EveryTruncationAndMutationParsesOrIsAnError)
 {
   std::vector<std::string> seeds{ G2, Mesh, MeshOfPatches, Xml };
+  std::vector<std::string> names;
+  for (const std::string name :
+    { "folded_sweep.xml", "tube_on_block.xml", "quarter_tube.g2", "twisted_bar.mesh" })
+  {
+    names.push_back(std::string(HYPERPATCH_DATA) + "/" + name);
+  }
   for (const std::string name : { "gismo/fichera.xml", "gismo/linear_elasticity_example.xml",
          "splinepy/gismo_indent_nolabels_ascii_3d.xml", "mfem/beam-hex-nurbs.mesh",
          "mfem/two-cubes-nurbs.mesh", "mfem/pipe-nurbs.mesh", "splipy/cube-8-orient3.g2" })
   {
-    std::ifstream file(models::RealFile(name), std::ios::binary);
+    names.push_back(models::RealFile(name));
+  }
+  for (const std::string& name : names)
+  {
+    std::ifstream file(name, std::ios::binary);
     if (file)
     {
       seeds.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
