@@ -642,7 +642,12 @@ SideKey MeshParser::KeyOf(const std::vector<int>& vertices) const
   SideKey key;
   key.fill(-1);
   std::copy(vertices.begin(), vertices.end(), key.begin());
-  std::sort(key.begin(), key.begin() + static_cast<std::ptrdiff_t>(vertices.size()));
+  // Insertion: GCC 12 warns of array bounds in std::sort of so few numbers.
+  for (auto at = key.begin(); at != key.begin() + static_cast<std::ptrdiff_t>(vertices.size());
+       ++at)
+  {
+    std::rotate(std::upper_bound(key.begin(), at, *at), at, at + 1);
+  }
   return key;
 }
 
