@@ -3,7 +3,6 @@
 
 #include "Aggregate.h"
 #include "Error.h"
-#include "Measures.h"
 #include "NURBSMeshOutput.h"
 #include "ScalarField.h"
 

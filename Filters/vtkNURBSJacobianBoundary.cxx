@@ -10,6 +10,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
 
+#include <algorithm>
 #include <array>
 
 VTK_ABI_NAMESPACE_BEGIN
@@ -23,12 +24,10 @@ std::vector<int> SmoothBlocks(const hyperpatch::KnotVector& knots)
 {
   const std::vector<double> breaks = knots.Breaks();
   std::vector<int> begins{ 0 };
-  for (std::size_t b = 1; b + 1 < breaks.size(); ++b)
+  for (const double crease : knots.Creases())
   {
-    if (knots.Multiplicity(breaks[b]) >= knots.Degree())
-    {
-      begins.push_back(static_cast<int>(b));
-    }
+    begins.push_back(
+      static_cast<int>(std::lower_bound(breaks.begin(), breaks.end(), crease) - breaks.begin()));
   }
   begins.push_back(static_cast<int>(breaks.size()) - 1);
   return begins;

@@ -9,7 +9,6 @@
 #include "vtkFieldData.h"
 #include "vtkIdTypeArray.h"
 #include "vtkNew.h"
-#include "vtkPolyData.h"
 
 #include <algorithm>
 #include <array>

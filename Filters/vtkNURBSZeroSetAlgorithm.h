@@ -12,7 +12,8 @@
  * folded; triangles turn counter-clockwise around them. Field data, one number each:
  * - `CrossedCells`: parameter cells that hold a piece of the surface
  * - `UndecidedCells`: parameter cells where a zero can neither be excluded nor was seen
- * - `LargestResidual`: of |f| at the points, relative to the largest |f| near the surface
+ * - `LargestResidual`: of |f| at the points, relative to the largest |f| near the surface; what is
+ *   within the rounding error of f counts as 0
  * - `LargestError`: measured distance between mesh and exact zero set, at midpoints
  * - `ToleranceReached`: 0 where the limit of refinement came first (a warning says so too)
  */
