@@ -27,6 +27,27 @@ void Join(std::size_t m, const double* low, const double* high, double* toLow, d
 
 }
 
+SpanBlock SpansOf(const Spline& spline, const ParameterBox& box)
+{
+  SpanBlock block{};
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const KnotVector& knots = spline.Knots()[d];
+    const std::vector<int>& all = knots.Spans();
+    const auto place = [&all](int span)
+    { return static_cast<int>(std::lower_bound(all.begin(), all.end(), span) - all.begin()); };
+    block.First[d] = place(knots.FindSpan(box.Low[d]));
+    block.Last[d] = place(knots.FindSpan(box.High[d]));
+    // A box that ends on a knot does not reach the span behind it.
+    if (block.Last[d] > block.First[d] &&
+      knots[all[static_cast<std::size_t>(block.Last[d])]] >= box.High[d])
+    {
+      --block.Last[d];
+    }
+  }
+  return block;
+}
+
 ControlBounds::ControlBounds(const Spline& spline)
   : S(&spline)
 {
@@ -117,22 +138,10 @@ void ControlBounds::Find(const ParameterBox& box, double* low, double* high) con
   const auto m = static_cast<std::size_t>(this->S->Components());
   std::fill_n(low, m, INFINITY);
   std::fill_n(high, m, -INFINITY);
-  std::array<int, 3> first{};
-  std::array<int, 3> last{};
+  const auto [first, last] = SpansOf(*this->S, box);
   int widest = 1;
   for (std::size_t d = 0; d < 3; ++d)
   {
-    const KnotVector& knots = this->S->Knots()[d];
-    const std::vector<int>& all = knots.Spans();
-    const auto place = [&all](int span)
-    { return static_cast<int>(std::lower_bound(all.begin(), all.end(), span) - all.begin()); };
-    first[d] = place(knots.FindSpan(box.Low[d]));
-    last[d] = place(knots.FindSpan(box.High[d]));
-    // A box that ends on a knot does not reach the span behind it.
-    if (last[d] > first[d] && knots[all[static_cast<std::size_t>(last[d])]] >= box.High[d])
-    {
-      --last[d];
-    }
     widest = std::max(widest, last[d] - first[d] + 1);
   }
   if (widest <= 2)

@@ -17,6 +17,16 @@ struct ParameterBox
   std::array<double, 3> High;
 };
 
+/// A block of non-empty knot spans, counted from 0, both ends included.
+struct SpanBlock
+{
+  std::array<int, 3> First;
+  std::array<int, 3> Last;
+};
+
+/// The spans that hold a box; one that the box only touches from below does not count.
+[[nodiscard]] SpanBlock SpansOf(const Spline& spline, const ParameterBox& box);
+
 /// Bounds of a spline on parameter boxes of any size, from the convex hull property: a pyramid of
 /// component-wise bounds of control points over blocks of knot spans. One pyramid serves every
 /// plane and every isovalue.
