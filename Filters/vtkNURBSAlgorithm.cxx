@@ -205,7 +205,10 @@ void vtkNURBSAlgorithm::SetProgressRange(double begin, double end)
 
 void vtkNURBSAlgorithm::ReportProgress(double fraction)
 {
-  this->UpdateProgress(this->ProgressBegin + fraction * (this->ProgressEnd - this->ProgressBegin));
+  // A range that begins anew, as that of a second engine in one filter, does not turn the bar back.
+  const double progress =
+    this->ProgressBegin + fraction * (this->ProgressEnd - this->ProgressBegin);
+  this->UpdateProgress(std::max(progress, this->GetProgress()));
   if (!this->IsParallel() && this->CheckAbort())
   {
     throw Cancelled();
