@@ -4,6 +4,7 @@
 #include "Error.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 namespace hyperpatch
@@ -127,6 +128,39 @@ void BezierExtractor::Extract(std::array<int, 3> spans, std::array<double, 3> lo
     }
     length *= p[i] + 1;
   }
+}
+
+double BezierExtractor::ErrorBound(std::array<int, 3> spans) const
+{
+  const Spline& spline = *this->S;
+  const std::array<int, 3> sizes = spline.Sizes();
+  std::array<int, 3> low;
+  std::array<int, 3> high;
+  int operations = 6;
+  for (int d = 0; d < 3; ++d)
+  {
+    const auto i = static_cast<std::size_t>(d);
+    const int p = spline.Knots(d).Degree();
+    high[i] = SpanIndex(spline.Knots(d), spans[i], d);
+    low[i] = high[i] - p;
+    operations += 6 * p;
+  }
+  // The greatest number among the control points that reach the element.
+  double largest = 0.0;
+  for (int k = low[2]; k <= high[2]; ++k)
+  {
+    for (int j = low[1]; j <= high[1]; ++j)
+    {
+      const Eigen::Index row = sizes[0] * (j + static_cast<Eigen::Index>(sizes[1]) * k);
+      for (Eigen::Index i = row + low[0]; i <= row + high[0]; ++i)
+      {
+        const double m = spline.Coefficients().col(i).lpNorm<Eigen::Infinity>();
+        largest =
+          std::max(largest, spline.IsRational() ? spline.Weights()[i] * std::max(1.0, m) : m);
+      }
+    }
+  }
+  return std::numeric_limits<double>::epsilon() * operations * largest;
 }
 
 }

@@ -35,6 +35,12 @@ public:
   /// The whole element.
   void Extract(std::array<int, 3> spans, Eigen::MatrixXd& points) const;
 
+  /// Bound of the rounding error of every number that Extract() gives, on the element or a box in
+  /// it. Weights of blossoms inside a span are sums of positive terms of degree factors, five
+  /// roundings each, that sum to 1 (Higham 2002, section 3.1).
+  /// \throws Error if a span does not exist
+  [[nodiscard]] double ErrorBound(std::array<int, 3> spans) const;
+
 private:
   const Spline* S;
 };

@@ -635,6 +635,55 @@ TEST(Validity, DoesNotDependOnHowTheWorkIsDivided)
   }
 }
 
+TEST(Validity, OnlyElementsThatAnEditReachesAreTestedAgain)
+{
+  std::mt19937 random(5);
+  const KnotVector u = KnotVector::Uniform(3, 10);
+  const KnotVector v = KnotVector::Uniform(2, 9);
+  const KnotVector w(1, { 0, 0, 1, 1.5, 3, 3 });
+  Eigen::MatrixXd points = models::RandomSpline(random, { u, v, w }, 3, false).Coefficients();
+  for (int i = 0; i < points.cols(); ++i)
+  {
+    points.col(i) = 0.3 * points.col(i) + Eigen::Vector3d(i % 10, i / 10 % 9, i / 90);
+  }
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(points.cols());
+  const Spline before({ u, v, w }, points, weights);
+  const PatchValidity known = TestValidity(before);
+  EXPECT_EQ(known.Tested, 7u * 7u * 3u);
+
+  // Point (5, 4, 1) reaches 4 x 3 x 2 spans; (0, 0, 0) one.
+  points.col(5 + 10 * 4 + 90) += Eigen::Vector3d(2.0, 0.0, 0.0);
+  const Spline moved({ u, v, w }, points, weights);
+  weights[0] = 1.5;
+  const Spline weighted({ u, v, w }, points, weights);
+  const KnownValidity first{ &before, &known };
+  const PatchValidity second = TestValidity(moved, {}, SerialFor, 0, &first);
+  EXPECT_EQ(second.Tested, 24u);
+  const KnownValidity edited{ &moved, &second };
+  const PatchValidity third = TestValidity(weighted, {}, SerialFor, 0, &edited);
+  EXPECT_EQ(third.Tested, 1u);
+  EXPECT_EQ(TestValidity(weighted, {}, SerialFor, 0, nullptr).Tested, 147u);
+  const KnownValidity turned{ &weighted, &third };
+  Eigen::MatrixXd mirrored = points;
+  mirrored.row(0) *= -1.0;
+  EXPECT_EQ(
+    TestValidity(Spline({ u, v, w }, mirrored, weights), {}, SerialFor, 0, &turned).Tested, 147u);
+
+  const PatchValidity fresh = TestValidity(weighted);
+  EXPECT_EQ(third.Handedness, fresh.Handedness);
+  for (std::size_t e = 0; e < fresh.Elements.size(); ++e)
+  {
+    EXPECT_EQ(third.Elements[e].Verdict, fresh.Elements[e].Verdict);
+    EXPECT_EQ(third.Elements[e].Minimum->Low, fresh.Elements[e].Minimum->Low);
+    EXPECT_EQ(third.Elements[e].Maximum->High, fresh.Elements[e].Maximum->High);
+    EXPECT_EQ(third.Elements[e].Positive, fresh.Elements[e].Positive);
+    EXPECT_EQ(third.Elements[e].Negative, fresh.Elements[e].Negative);
+  }
+  // Other knots: nothing is known.
+  const Spline other({ u, v, KnotVector(1, { 0, 0, 1, 2, 3, 3 }) }, points, weights);
+  EXPECT_EQ(TestValidity(other, {}, SerialFor, 0, &turned).Tested, 147u);
+}
+
 TEST(Validity, AllowsForErrorsOfThePoints)
 {
   // A slab of thickness 1e-6 that is known to 1e-7 is valid, known to 1e-6 it is not certain.
