@@ -44,6 +44,11 @@ def rank():
         Input=model, PointDataArrays=[arguments[0]], FieldDataArrays=['SplineLayout', 'Knots']))
     broken.UpdatePipeline()
     assert broken.GetDataInformation().GetNumberOfCells() == 0
+    view = common.view()
+    simple.Show(model, view)
+    view.CameraPosition = [-2.0, -1.2, 1.6]
+    view.ResetCamera(True)
+    simple.SaveScreenshot(os.path.join(folder, f'picture-{ranks}.png'), view)
     print('reached the end')
 
 
@@ -85,6 +90,13 @@ class Parallel(unittest.TestCase):
                 self.assertEqual(one.shape, three.shape, name)
                 # The restriction of a spline to a piece changes its values by round-off.
                 self.assertLess(abs(one - three).max(), 1e-10 * abs(one).max(), name)
+            one, three = (common.read_picture(os.path.join(folder, f'picture-{ranks}.png'))
+                          for ranks in (1, 3))
+            drawn = (one != one[0, 0]).any(axis=2)
+            self.assertGreater(drawn.sum(), 5000)
+            # Pixels on edges may belong to either side.
+            differ = (abs(one.astype(int) - three.astype(int)) > 32).any(axis=2)
+            self.assertLess(differ.sum(), 0.02 * drawn.sum())
 
     def test_one_patch_on_three_ranks(self):
         self.assert_same(common.PIPE)

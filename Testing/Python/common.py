@@ -92,17 +92,22 @@ def view(size=(400, 300)):
     return result
 
 
+def read_picture(name):
+    """The pixels of a PNG file: height x width x 3."""
+    reader = vtkPNGReader()
+    reader.SetFileName(name)
+    reader.Update()
+    image = reader.GetOutput()
+    columns, rows, _ = image.GetDimensions()
+    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, -1)[:, :, :3]
+
+
 def pixels(render_view):
     """The rendered picture: height x width x 3."""
     with tempfile.TemporaryDirectory() as folder:
         name = os.path.join(folder, 'picture.png')
         simple.SaveScreenshot(name, render_view, ImageResolution=render_view.ViewSize)
-        reader = vtkPNGReader()
-        reader.SetFileName(name)
-        reader.Update()
-        image = reader.GetOutput()
-    columns, rows, _ = image.GetDimensions()
-    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, -1)[:, :, :3]
+        return read_picture(name)
 
 
 def silhouette(render_view):
