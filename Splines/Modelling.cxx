@@ -133,6 +133,14 @@ std::pair<std::vector<std::string>, std::size_t> CommonAttributes(
         throw Error(
           "not all sections have the attribute \"" + name + "\": add it to all of them or to none");
       }
+      const int expected = sections[0].FindAttribute(name)->Components();
+      const int components = section.FindAttribute(name)->Components();
+      if (components != expected)
+      {
+        throw Error("attribute \"" + name + "\" has " + std::to_string(expected) +
+          " components in one section and " + std::to_string(components) +
+          " in another: rename one of them");
+      }
     }
     if (section.Attributes().size() != names.size())
     {
