@@ -141,6 +141,16 @@ int vtkNURBSAlgorithm::RequestData(
   return good ? 1 : 0;
 }
 
+bool vtkNURBSAlgorithm::HasWork(vtkDataObject* input)
+{
+  return !this->Convert(input).Patches.empty();
+}
+
+void vtkNURBSAlgorithm::ExecuteInput(vtkDataObject* input, vtkDataObject* output)
+{
+  this->Execute(this->Convert(input), output);
+}
+
 bool vtkNURBSAlgorithm::Run(vtkDataObject* input, vtkDataObject* output)
 {
   this->SetProgressRange(0.0, 1.0);
@@ -172,9 +182,9 @@ bool vtkNURBSAlgorithm::Run(vtkDataObject* input, vtkDataObject* output)
     return first == INFINITY;
   };
 
-  const hyperpatch::MultiPatch* model = nullptr;
-  bool good = attempt([&] { model = &this->Convert(input); });
-  if (good && this->AnyRank(!model->Patches.empty()))
+  bool work = false;
+  bool good = attempt([&] { work = this->HasWork(input); });
+  if (good && this->AnyRank(work))
   {
     bool cancelled = false;
     good = attempt(
@@ -182,7 +192,7 @@ bool vtkNURBSAlgorithm::Run(vtkDataObject* input, vtkDataObject* output)
       {
         try
         {
-          this->Execute(*model, output);
+          this->ExecuteInput(input, output);
         }
         catch (const Cancelled&)
         {

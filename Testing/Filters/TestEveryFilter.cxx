@@ -7,11 +7,14 @@
 #include "vtkAlgorithm.h"
 #include "vtkCallbackCommand.h"
 #include "vtkCommand.h"
+#include "vtkDataArray.h"
 #include "vtkDataObject.h"
+#include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkNew.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPlane.h"
+#include "vtkPointData.h"
 #include "vtkSmartPointer.h"
 
 #include <gtest/gtest.h>
@@ -96,6 +99,15 @@ void Prepare(vtkAlgorithm* filter)
   {
     contour->SetNumberOfContours(1);
     contour->SetValue(0, 0.0);
+  }
+  else if (vtkNURBSFit::SafeDownCast(filter))
+  {
+    // It takes samples.
+    vtkNew<vtkImageData> image;
+    image->SetDimensions(40, 40, 40);
+    image->AllocateScalars(VTK_FLOAT, 3);
+    image->GetPointData()->GetScalars()->Fill(1.0);
+    filter->SetInputDataObject(image);
   }
 }
 
