@@ -2,30 +2,26 @@
 #include "vtkNURBSFit.h"
 
 #include "Error.h"
+#include "FitReport.h"
 #include "GridFit.h"
 #include "NURBSConversion.h"
 #include "SampleGrid.h"
 #include "ScatteredFit.h"
-#include "Validity.h"
 
 #include "vtkCellData.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkDataSet.h"
-#include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
-#include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 #include "vtkPointSet.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkStringArray.h"
 #include "vtkTable.h"
 
 #include <algorithm>
@@ -85,76 +81,13 @@ std::vector<std::pair<int, vtkDataSet*>> DataSets(vtkDataObject* input)
 
 }
 
-/// The rows of the table.
-class vtkNURBSFit::Report
-{
-public:
-  struct Row
-  {
-    int PatchId = 0;
-    std::string Attribute;
-    Eigen::Index Components = 0;
-    FitError Error;
-    double Range = 0.0;
-    Eigen::Index ControlPoints = 0;
-    /// Least det J times the handedness, of a fitted volume.
-    hyperpatch::Interval Jacobian{ NAN, NAN };
-    int Invalid = -1;
-    int Undecided = -1;
-  };
-
-  std::vector<Row> Rows;
-
-  /// The same arrays for table and field data.
-  void Fill(vtkFieldData* columns) const
-  {
-    vtkNew<vtkStringArray> names;
-    names->SetName("Attribute");
-    for (const Row& row : this->Rows)
-    {
-      names->InsertNextValue(row.Attribute);
-    }
-    columns->AddArray(names);
-    const auto integers = [this, columns](const char* name, auto&& value)
-    { this->Add<vtkIdTypeArray>(columns, name, value); };
-    const auto numbers = [this, columns](const char* name, auto&& value)
-    { this->Add<vtkDoubleArray>(columns, name, value); };
-    integers("PatchId", [](const Row& row) { return row.PatchId; });
-    integers("Components", [](const Row& row) { return row.Components; });
-    integers("Samples", [](const Row& row) { return row.Error.Count; });
-    integers("ControlPoints", [](const Row& row) { return row.ControlPoints; });
-    numbers("RMSError", [](const Row& row) { return row.Error.RootMeanSquare; });
-    numbers("MaximumError", [](const Row& row) { return row.Error.Maximum; });
-    numbers("RelativeError",
-      [](const Row& row) { return row.Range > 0.0 ? row.Error.Maximum / row.Range : 0.0; });
-    integers("WorstPoint", [](const Row& row) { return row.Error.Where; });
-    numbers("JacobianLower", [](const Row& row) { return row.Jacobian.Low; });
-    numbers("JacobianUpper", [](const Row& row) { return row.Jacobian.High; });
-    integers("InvalidElements", [](const Row& row) { return row.Invalid; });
-    integers("UndecidedElements", [](const Row& row) { return row.Undecided; });
-  }
-
-private:
-  template <typename Array, typename Value>
-  void Add(vtkFieldData* columns, const char* name, Value&& value) const
-  {
-    vtkNew<Array> array;
-    array->SetName(name);
-    for (const Row& row : this->Rows)
-    {
-      array->InsertNextValue(static_cast<typename Array::ValueType>(value(row)));
-    }
-    columns->AddArray(array);
-  }
-};
-
 /// Fits one data set after the other.
 class vtkNURBSFit::Fitter
 {
 public:
-  Fitter(vtkNURBSFit* self, Report& report)
+  Fitter(vtkNURBSFit* self, FitReport& report)
     : Self(self)
-    , Rows(report.Rows)
+    , Report(&report)
   {
   }
 
@@ -223,7 +156,7 @@ private:
       grid.Points ? this->FitArray(grid, fits, grid.Points, "Points") : *grid.Geometry;
     if (grid.Points && geometry.Dimension() == 3)
     {
-      this->CertifyJacobian(geometry);
+      this->Report->CertifyJacobian(geometry, this->Self->KernelParallelFor());
     }
     std::vector<Attribute> attributes;
     for (vtkDataArray* array : arrays)
@@ -300,7 +233,7 @@ private:
     Spline spline = make();
     const FitError error =
       hyperpatch::MeasureError(spline, grid.Sites, MakeReader(array), parallelFor);
-    this->AddRow(name, spline, error, range);
+    this->Report->Add(this->PatchId, name, spline, error, range);
     return spline;
   }
 
@@ -376,46 +309,12 @@ private:
                       << " control points for " << values.cols()
                       << " points: the data contradict each other, or vary between neighbours");
     }
-    this->AddRow(array->GetName(), spline, error, range);
+    this->Report->Add(this->PatchId, array->GetName(), spline, error, range);
     return spline;
   }
 
-  void AddRow(const std::string& name, const Spline& spline, const FitError& error, double range)
-  {
-    Report::Row row;
-    row.PatchId = this->PatchId;
-    row.Attribute = name;
-    row.Components = spline.Components();
-    row.Error = error;
-    row.Range = range;
-    row.ControlPoints = spline.NumberOfControlPoints();
-    this->Rows.push_back(row);
-  }
-
-  /// Completes the last row.
-  void CertifyJacobian(const Spline& geometry)
-  {
-    const hyperpatch::PatchValidity validity =
-      hyperpatch::TestValidity(geometry, {}, this->Self->KernelParallelFor());
-    Report::Row& row = this->Rows.back();
-    row.Jacobian = { INFINITY, INFINITY };
-    row.Invalid = 0;
-    row.Undecided = 0;
-    for (const hyperpatch::ElementValidity& element : validity.Elements)
-    {
-      row.Invalid += element.Verdict == -1;
-      row.Undecided += element.Verdict == 0;
-      const bool left = validity.Handedness < 0;
-      const hyperpatch::Interval least = left
-        ? hyperpatch::Interval{ -element.Maximum->High, -element.Maximum->Low }
-        : *element.Minimum;
-      row.Jacobian.Low = std::min(row.Jacobian.Low, least.Low);
-      row.Jacobian.High = std::min(row.Jacobian.High, least.High);
-    }
-  }
-
   vtkNURBSFit* Self;
-  std::vector<Report::Row>& Rows;
+  FitReport* Report;
   int PatchId = 0;
 };
 
@@ -570,7 +469,7 @@ void vtkNURBSFit::ExecuteInput(vtkDataObject* input, vtkDataObject* output)
 {
   const auto sets = DataSets(input);
   MultiPatch model;
-  Report report;
+  FitReport report;
   Fitter fitter(this, report);
   for (std::size_t i = 0; i < sets.size(); ++i)
   {

@@ -60,8 +60,6 @@
 #include <set>    // for the names of arrays
 #include <string> // for the names of arrays
 
-class vtkDataSet;
-
 class VTKNURBSFILTERS_EXPORT vtkNURBSFit : public vtkNURBSAlgorithm
 {
 public:
@@ -203,7 +201,6 @@ private:
   vtkNURBSFit(const vtkNURBSFit&) = delete;
   void operator=(const vtkNURBSFit&) = delete;
 
-  class Report;
   class Fitter;
 
   int Method = INTERPOLATE;
