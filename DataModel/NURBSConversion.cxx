@@ -560,9 +560,19 @@ vtkSmartPointer<vtkDoubleArray> MakeArray(const char* name, const Eigen::MatrixX
   return array;
 }
 
-/// A lattice without its attributes. `points` are 1 to 3 x n.
+/// Points of 1 to 3 coordinates, those that are not there 0.
+vtkSmartPointer<vtkPoints> MakePoints(const Eigen::MatrixXd& columns)
+{
+  auto points = vtkSmartPointer<vtkPoints>::New();
+  Eigen::MatrixXd inSpace = Eigen::MatrixXd::Zero(3, columns.cols());
+  inSpace.topRows(columns.rows()) = columns;
+  points->SetData(MakeArray("Points", inSpace));
+  return points;
+}
+
+/// A lattice without its attributes.
 vtkSmartPointer<vtkStructuredGrid> MakeGrid(
-  const Patch& patch, int role, const Spline& basis, const Eigen::MatrixXd& points)
+  const Patch& patch, int role, const Spline& basis, vtkPoints* points)
 {
   Layout layout;
   layout.Role = role;
@@ -581,13 +591,9 @@ vtkSmartPointer<vtkStructuredGrid> MakeGrid(
     layout.RelativeHandedness = patch.WholeHandedness * Handedness(patch.Body.Geometry());
   }
 
-  Eigen::MatrixXd inSpace = Eigen::MatrixXd::Zero(3, points.cols());
-  inSpace.topRows(points.rows()) = points;
-  vtkNew<vtkPoints> vtkpoints;
-  vtkpoints->SetData(MakeArray("Points", inSpace));
   auto grid = vtkSmartPointer<vtkStructuredGrid>::New();
   grid->SetDimensions(layout.Dimensions.data());
-  grid->SetPoints(vtkpoints);
+  grid->SetPoints(points);
   if (basis.IsRational())
   {
     grid->GetPointData()->AddArray(MakeArray(WeightName, basis.Weights().transpose()));
@@ -614,7 +620,7 @@ vtkSmartPointer<vtkStructuredGrid> MakeGrid(
 }
 
 /// Greville points of a basis, mapped through the geometry.
-Eigen::MatrixXd GrevillePoints(const Spline& geometry, const Spline& basis)
+vtkSmartPointer<vtkPoints> GrevillePoints(const Spline& geometry, const Spline& basis)
 {
   std::array<std::vector<double>, 3> parameters;
   for (int d = 0; d < 3; ++d)
@@ -627,8 +633,20 @@ Eigen::MatrixXd GrevillePoints(const Spline& geometry, const Spline& basis)
         std::clamp(knots.Greville(i), knots.First(), knots.Last()));
     }
   }
-  Eigen::MatrixXd points(geometry.Components(), basis.NumberOfControlPoints());
-  Evaluator(geometry).EvaluateGrid(parameters, points.data());
+  if (geometry.Components() < 3)
+  {
+    Eigen::MatrixXd points(geometry.Components(), basis.NumberOfControlPoints());
+    Evaluator(geometry).EvaluateGrid(parameters, points.data());
+    return MakePoints(points);
+  }
+  // There may be as many as voxels of an image: no copies.
+  vtkNew<vtkDoubleArray> array;
+  array->SetName("Points");
+  array->SetNumberOfComponents(3);
+  array->SetNumberOfTuples(basis.NumberOfControlPoints());
+  Evaluator(geometry).EvaluateGrid(parameters, array->GetPointer(0));
+  auto points = vtkSmartPointer<vtkPoints>::New();
+  points->SetData(array);
   return points;
 }
 
@@ -790,8 +808,23 @@ void ToVTK(const MultiPatch& model, vtkPartitionedDataSetCollection* output,
   for (const Patch& patch : model.Patches)
   {
     const Spline& geometry = patch.Body.Geometry();
-    const auto grid = MakeGrid(patch, Layout::Geometry, geometry, geometry.Coefficients());
+    const auto grid =
+      MakeGrid(patch, Layout::Geometry, geometry, MakePoints(geometry.Coefficients()));
     append(0, grid);
+    // Attributes in one basis have their points in common.
+    std::vector<std::pair<const Spline*, vtkSmartPointer<vtkPoints>>> made;
+    const auto pointsOf = [&](const Spline& field) -> vtkPoints*
+    {
+      for (const auto& [basis, points] : made)
+      {
+        if (basis->Knots() == field.Knots())
+        {
+          return points;
+        }
+      }
+      made.emplace_back(&field, GrevillePoints(geometry, field));
+      return made.back().second;
+    };
     for (const Attribute& attribute : patch.Body.Attributes())
     {
       const auto values = MakeArray(attribute.Name.c_str(), attribute.Field.Coefficients());
@@ -804,8 +837,8 @@ void ToVTK(const MultiPatch& model, vtkPartitionedDataSetCollection* output,
         grid->GetPointData()->AddArray(values);
         continue;
       }
-      const auto lattice = MakeGrid(
-        patch, Layout::Attribute, attribute.Field, GrevillePoints(geometry, attribute.Field));
+      const auto lattice =
+        MakeGrid(patch, Layout::Attribute, attribute.Field, pointsOf(attribute.Field));
       lattice->GetPointData()->AddArray(values);
       const auto found = std::lower_bound(own.begin(), own.end(), attribute.Name);
       append(1 + static_cast<std::size_t>(found - own.begin()), lattice);
