@@ -7,13 +7,14 @@
 #include "vtkFloatArray.h"
 #include "vtkImageBSplineCoefficients.h"
 #include "vtkImageData.h"
+#include "vtkNURBSFit.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
-#include "vtkSMPTools.h"
 
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <numeric>
 #include <string>
@@ -83,7 +84,6 @@ void Report(benchmark::State& state, int n, double peak, double before)
 template <typename Array>
 void VTKCoefficients(benchmark::State& state)
 {
-  vtkSMPTools::Initialize(1);
   const auto n = static_cast<int>(state.range(0));
   const vtkNew<vtkImageData> image = MakeImage<Array>(n);
   double before = 0.0;
@@ -138,9 +138,42 @@ void Interpolation(benchmark::State& state)
 
 }
 
+/// The filter: reading, interpolation, the errors at all samples, and the output with its lattice.
+template <typename Array>
+void Filter(benchmark::State& state)
+{
+  const auto n = static_cast<int>(state.range(0));
+  const vtkNew<vtkImageData> image = MakeImage<Array>(n);
+  double before = 0.0;
+  double peak = 0.0;
+  for (auto _ : state)
+  {
+    state.PauseTiming();
+    before = ResetPeak();
+    state.ResumeTiming();
+    vtkNew<vtkNURBSFit> filter;
+    filter->SetInputData(image);
+    filter->Update();
+    benchmark::DoNotOptimize(filter->GetOutputDataObject(0));
+    state.PauseTiming();
+    peak = Peak();
+    state.ResumeTiming();
+  }
+  Report(state, n, peak, before);
+}
+
 BENCHMARK(VTKCoefficients<vtkDoubleArray>)->Arg(256)->Unit(benchmark::kMillisecond);
 BENCHMARK(Interpolation<vtkDoubleArray>)->Args({ 256, 3 })->Unit(benchmark::kMillisecond);
 BENCHMARK(VTKCoefficients<vtkFloatArray>)->Arg(256)->Unit(benchmark::kMillisecond);
+BENCHMARK(Filter<vtkDoubleArray>)->Arg(256)->Unit(benchmark::kMillisecond);
 BENCHMARK(Interpolation<vtkFloatArray>)
   ->ArgsProduct({ { 256 }, { 1, 2, 3, 4, 5 } })
   ->Unit(benchmark::kMillisecond);
+
+int main(int argc, char** argv)
+{
+  // One thread for all.
+  setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 1);
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+}
