@@ -333,8 +333,9 @@ CondeTorres TestCondeTorres(const MultiPatch& model, const ParallelFor& parallel
         const auto a = static_cast<std::size_t>(pairs[static_cast<std::size_t>(i)][0]);
         const auto b = static_cast<std::size_t>(pairs[static_cast<std::size_t>(i)][1]);
         const std::array<int, 3> apart = Distance(elements[a], elements[b]);
-        const bool sharePoints = result.Forms[elements[a].Patch] == CondeTorresForm::Uniform &&
-          std::max({ apart[0], apart[1], apart[2] }) <= 3;
+        // Neighbours that share control points, or would if the knots were uniform.
+        const int reach = result.Forms[elements[a].Patch] == CondeTorresForm::Bezier ? 1 : 3;
+        const bool sharePoints = std::max({ apart[0], apart[1], apart[2] }) <= reach;
         if (apart[0] + apart[1] + apart[2] == 1)
         {
           ++found.Contiguous;
@@ -343,9 +344,10 @@ CondeTorres TestCondeTorres(const MultiPatch& model, const ParallelFor& parallel
         {
           ++found.ByHulls;
         }
-        else if (test.MeetOnlyAtContacts({ elements[a].Piece, elements[a].Collapsed },
-                   { elements[b].Piece, elements[b].Collapsed },
-                   ContactsOf(elements[a], elements[b], distance)))
+        else if (AreSeparated(elements[a].Piece, elements[b].Piece) ||
+          test.MeetOnlyAtContacts({ elements[a].Piece, elements[a].Collapsed },
+            { elements[b].Piece, elements[b].Collapsed },
+            ContactsOf(elements[a], elements[b], distance)))
         {
           ++found.ByBorders;
         }
