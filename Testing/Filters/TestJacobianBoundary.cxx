@@ -258,8 +258,9 @@ TEST(JacobianBoundary, HasThePartsOfKnotPlanesWhereTheSignJumps)
           ASSERT_LT(r, 0.3 + 1e-12);
           ASSERT_EQ(PointNumber(mesh, "JacobianDeterminant", p), 0.0);
           ASSERT_NEAR(PointNumber(mesh, "Height", p), z, 1e-14);
-          // Towards growing det J, as the sheet's: from above to below, in either handedness.
-          ASSERT_NEAR(mesh->GetPointData()->GetNormals()->GetComponent(p, 0), -1.0, 1e-12);
+          // Where det J grows: 2 below the plane and negative above it, or the other way round.
+          ASSERT_NEAR(
+            mesh->GetPointData()->GetNormals()->GetComponent(p, 0), mirrored ? 1.0 : -1.0, 1e-12);
         }
         // det J does not depend on u above the plane: the sheet is the cylinder over the circle.
         if (CellNumber(mesh, "Piece", c) == Fold::SHEET)
