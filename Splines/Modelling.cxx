@@ -365,4 +365,62 @@ Aggregate Loft(const std::vector<Aggregate>& sections, int degree)
   return Unpack(result);
 }
 
+MultiPatch ForEachSection(
+  const MultiPatch& sections, const std::function<Aggregate(const Aggregate&)>& operation)
+{
+  MultiPatch result = sections;
+  for (Patch& patch : result.Patches)
+  {
+    const Spline& geometry = patch.Body.Geometry();
+    const int dimension = geometry.Dimension();
+    if (dimension < 3 && geometry.Knots(dimension).Degree() > 0)
+    {
+      result.Interfaces.clear();
+      result.Boundaries.clear();
+    }
+    patch.Body = operation(patch.Body);
+  }
+  return result;
+}
+
+MultiPatch LoftModels(const std::vector<MultiPatch>& models, int degree)
+{
+  if (models.empty())
+  {
+    return {};
+  }
+  if (models.size() == 1)
+  {
+    std::vector<Aggregate> sections;
+    for (const Patch& patch : models[0].Patches)
+    {
+      sections.push_back(patch.Body);
+    }
+    MultiPatch result;
+    result.Patches.push_back({ 0, Loft(sections, degree) });
+    return result;
+  }
+  for (std::size_t i = 1; i < models.size(); ++i)
+  {
+    if (models[i].Patches.size() != models[0].Patches.size())
+    {
+      throw Error("the first model has " + std::to_string(models[0].Patches.size()) +
+        " patches where another has " + std::to_string(models[i].Patches.size()) +
+        ": sections correspond patch by patch");
+    }
+  }
+  std::size_t next = 0;
+  return ForEachSection(models[0],
+    [&](const Aggregate&)
+    {
+      std::vector<Aggregate> sections;
+      for (const MultiPatch& model : models)
+      {
+        sections.push_back(model.Patches[next].Body);
+      }
+      ++next;
+      return Loft(sections, degree);
+    });
+}
+
 }

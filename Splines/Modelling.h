@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <functional>
 #include <vector>
 
 namespace hyperpatch
@@ -47,6 +48,16 @@ namespace hyperpatch
 /// attributes, two in a row coincide, or weights of rational sections differ so much that weights
 /// in between are not positive
 [[nodiscard]] Aggregate Loft(const std::vector<Aggregate>& sections, int degree);
+
+/// An operator above on every patch of a model of sections. Sides of the sections stay sides, so
+/// interfaces and boundaries come along (but not where directions close up).
+[[nodiscard]] MultiPatch ForEachSection(
+  const MultiPatch& sections, const std::function<Aggregate(const Aggregate&)>& operation);
+
+/// Loft of models: between patches that correspond, the i-th of each; the patches of a single model
+/// are the sections of one loft. Boundaries of the first of several models come along.
+/// \throws Error as Loft, and if the models have other numbers of patches
+[[nodiscard]] MultiPatch LoftModels(const std::vector<MultiPatch>& models, int degree);
 
 }
 

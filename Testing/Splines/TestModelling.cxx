@@ -2,6 +2,7 @@
 #include "Modelling.h"
 
 #include "Error.h"
+#include "Interfaces.h"
 #include "Motions.h"
 #include "Operators.h"
 #include "Reparametrise.h"
@@ -351,6 +352,41 @@ TEST(Modelling, DirectionsOfASectionCloseUp)
   const Aggregate gap(Spline({ g.Knots(0), {}, g.Knots(1) }, g.Coefficients(), g.Weights()));
   EXPECT_EQ(
     Extrude(gap, Vector3d::UnitX()).Geometry(), Extrude(surface, Vector3d::UnitX()).Geometry());
+}
+
+TEST(Modelling, ModelsOfSectionsKeepTheirTopology)
+{
+  // Two lines that meet, extruded twice.
+  MultiPatch lines;
+  for (const int id : { 4, 7 })
+  {
+    Eigen::MatrixXd points(3, 2);
+    points << id, id + 3, 0, 0, 0, 0;
+    lines.Patches.push_back({ id, Aggregate(Curve(points, 1)) });
+  }
+  lines.Interfaces = FindInterfaces(lines, 1e-9);
+  ASSERT_EQ(lines.Interfaces.size(), 1u);
+  lines.Boundaries = { { "left", { { 4, 0 } } } };
+  const auto extrude = [](const Vector3d& vector)
+  { return [vector](const Aggregate& section) { return Extrude(section, vector); }; };
+  const MultiPatch surfaces = ForEachSection(lines, extrude(Vector3d::UnitY()));
+  const MultiPatch volumes = ForEachSection(surfaces, extrude(Vector3d::UnitZ()));
+  // What came along is what would be found.
+  EXPECT_EQ(volumes.Interfaces[0].Values, FindInterfaces(volumes, 1e-9)[0].Values);
+  EXPECT_EQ(volumes.Boundaries[0].Sides, lines.Boundaries[0].Sides);
+  EXPECT_EQ(volumes.Patches[1].Id, 7);
+
+  MultiPatch above = lines;
+  for (Patch& patch : above.Patches)
+  {
+    const Spline& g = patch.Body.Geometry();
+    patch.Body = Aggregate(Spline(g.Knots(), g.Coefficients().colwise() + Vector3d::UnitY()));
+  }
+  const MultiPatch ruled = LoftModels({ lines, above }, 3);
+  EXPECT_EQ(ruled.Interfaces[0].Values, lines.Interfaces[0].Values);
+  EXPECT_EQ(ruled.Patches[1].Body.Geometry(), surfaces.Patches[1].Body.Geometry());
+  above.Patches.pop_back();
+  ExpectError([&] { (void)LoftModels({ lines, above }, 3); }, "correspond patch by patch");
 }
 
 TEST(Motions, BeginWithTheIdentity)
