@@ -5,6 +5,7 @@
 #include "Evaluator.h"
 #include "Measures.h"
 #include "Operators.h"
+#include "Reparametrise.h"
 
 #include "vtkCellData.h"
 #include "vtkCellType.h"
@@ -143,8 +144,8 @@ std::vector<vtkDataObject*> Leaves(vtkDataObject* data)
 /// What an upstream filter has done to a lattice, as the user should hear it.
 Error ChangedLattice(const std::string& details)
 {
-  return Error(
-    "the control lattice was changed by an upstream filter (" + details + "): use NURBS Refine");
+  return Error("the control lattice was changed by an upstream filter (" + details +
+    "): use NURBS Refine in its place");
 }
 
 Layout ReadLayout(vtkDataObject* grid)
@@ -281,7 +282,16 @@ Lattice ReadLattice(vtkStructuredGrid* grid)
   return { layout, std::move(points), std::move(arrays) };
 }
 
-Patch MakePatch(Lattice&& geometry, std::vector<Lattice*> others)
+Spline OnUnitCube(Spline spline)
+{
+  for (int d = 0; d < 3; ++d)
+  {
+    spline = ScaleDomain(spline, d);
+  }
+  return spline;
+}
+
+Patch MakePatch(Lattice&& geometry, std::vector<Lattice*> others, Domains domains)
 {
   // An array of a geometry grid goes before one of the same name in another basis: filters such as
   // Elevation write to all grids, and only what they write to the geometry is about its points.
@@ -295,6 +305,14 @@ Patch MakePatch(Lattice&& geometry, std::vector<Lattice*> others)
       {
         attributes.push_back(std::move(attribute));
       }
+    }
+  }
+  if (domains == Domains::Normalised)
+  {
+    geometry.Points = OnUnitCube(std::move(geometry.Points));
+    for (Attribute& attribute : attributes)
+    {
+      attribute.Field = OnUnitCube(std::move(attribute.Field));
     }
   }
   const Layout& layout = geometry.Header;
@@ -694,7 +712,7 @@ bool IsSplineData(vtkDataObject* data)
     { return IsBezierGrid(leaf) || (vtkStructuredGrid::SafeDownCast(leaf) && HasLayout(leaf)); });
 }
 
-MultiPatch FromVTK(vtkDataObject* data)
+MultiPatch FromVTK(vtkDataObject* data, Domains domains)
 {
   MultiPatch model;
   std::vector<Lattice> geometries;
@@ -759,7 +777,7 @@ MultiPatch FromVTK(vtkDataObject* data)
         others.push_back(&other);
       }
     }
-    model.Patches.push_back(MakePatch(std::move(geometry), others));
+    model.Patches.push_back(MakePatch(std::move(geometry), others, domains));
   }
   if (data && data->GetFieldData())
   {
