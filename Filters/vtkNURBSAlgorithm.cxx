@@ -134,7 +134,9 @@ const hyperpatch::MultiPatch& vtkNURBSAlgorithm::Convert(vtkDataObject* input)
 int vtkNURBSAlgorithm::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  vtkDataObject* input = vtkDataObject::GetData(inputVector[0]);
+  // A source has no input.
+  vtkDataObject* input =
+    this->GetNumberOfInputPorts() > 0 ? vtkDataObject::GetData(inputVector[0]) : nullptr;
   vtkDataObject* output = vtkDataObject::GetData(outputVector);
   bool good = false;
   OnAllCores([&] { good = this->Run(input, output); });
