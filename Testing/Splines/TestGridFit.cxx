@@ -139,6 +139,29 @@ TEST(FitToTolerance, InterpolatesWhatNothingElseMeets)
   }
 }
 
+TEST(FitToTolerance, HoldsWhereErrorsOfDirectionsAddUp)
+{
+  // Noise: what one direction leaves, the others cannot take away.
+  const Sites sites{ Line(14), Line(11), Line(12) };
+  const Eigen::MatrixXd samples = Eigen::MatrixXd::Random(2, 14 * 11 * 12);
+  for (double tolerance : { 1.2, 0.9, 0.6, 0.3, 0.1 })
+  {
+    const Spline spline = FitToTolerance({ 2, 3, 1 }, sites, samples, tolerance);
+    EXPECT_LE(MeasureError(spline, sites, Reader(samples)).Maximum, tolerance);
+  }
+}
+
+TEST(FitToTolerance, GoesOnWhereTheIntervalsAroundAnErrorAreFull)
+{
+  // A single peak between two sites that are places already: more of them have to come beside.
+  const Sites sites{ Line(27), Line(1), Line(1) };
+  Eigen::MatrixXd samples = Eigen::MatrixXd::Zero(1, 27);
+  samples(0, 8) = 1.0;
+  const Spline spline = FitToTolerance({ 4, 1, 1 }, sites, samples, 0.125);
+  EXPECT_LE(MeasureError(spline, { sites[0], { 0.5 }, { 0.5 } }, Reader(samples)).Maximum, 0.125);
+  EXPECT_LT(spline.NumberOfControlPoints(), 27);
+}
+
 TEST(FitToTolerance, RefusesBadToleranceAndTooFewSamples)
 {
   const Sites sites{ Line(12), Line(3), Line(1) };

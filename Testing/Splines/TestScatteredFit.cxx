@@ -119,6 +119,47 @@ TEST(FitScattered, MeetsATolerance)
   EXPECT_LE(mean.NumberOfControlPoints(), 4 * 2 + 64);
 }
 
+TEST(FitScattered, ALevelIsThatOfLeeWolbergAndShin)
+{
+  // Signs at the corners of a cube have no linear trend, so one span shows one level: control point
+  // j is sum_c w_cj^2 phi_cj / sum_c w_cj^2 with phi_cj = w_cj z_c / sum_k w_ck^2.
+  Eigen::Matrix3Xd points(3, 8);
+  Eigen::MatrixXd values(1, 8);
+  for (int c = 0; c < 8; ++c)
+  {
+    const Eigen::Vector3d sign(c % 2 ? 1 : -1, c / 2 % 2 ? 1 : -1, c / 4 ? 1 : -1);
+    points.col(c) = 0.6 * sign;
+    values(0, c) = sign.prod();
+  }
+  ScatteredFitOptions options;
+  options.Degrees = { 2, 2, 2 };
+  options.ControlPoints = { 3, 3, 3 };
+  const Spline spline = FitScattered(points, values, { -1, -1, -1 }, { 1, 1, 1 }, options);
+  // Bernstein polynomials at the points.
+  Eigen::MatrixXd w(8, 27);
+  for (int c = 0; c < 8; ++c)
+  {
+    const auto bernstein = [&](int d, int i)
+    {
+      const double t = 0.5 * (points(d, c) + 1.0);
+      return i == 0 ? (1 - t) * (1 - t) : i == 1 ? 2 * t * (1 - t) : t * t;
+    };
+    for (int j = 0; j < 27; ++j)
+    {
+      w(c, j) = bernstein(0, j % 3) * bernstein(1, j / 3 % 3) * bernstein(2, j / 9);
+    }
+  }
+  for (int j = 0; j < 27; ++j)
+  {
+    double sum = 0.0;
+    for (int c = 0; c < 8; ++c)
+    {
+      sum += w(c, j) * w(c, j) * w(c, j) * values(0, c) / w.row(c).squaredNorm();
+    }
+    EXPECT_NEAR(spline.Coefficients()(0, j), sum / w.col(j).squaredNorm(), 100 * Epsilon);
+  }
+}
+
 TEST(FitScattered, FlatBoxesGiveSurfaces)
 {
   Eigen::Matrix3Xd points = RandomPoints(4000);
