@@ -6,8 +6,9 @@
 #include "vtkNURBSJacobianBoundary.h"
 
 #include "vtkCellData.h"
+#include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
-#include "vtkIdTypeArray.h"
+#include "vtkIdList.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
@@ -25,17 +26,52 @@ namespace
 
 using Parameter = std::array<double, 3>;
 
-Parameter ParameterOf(vtkPolyData* mesh, vtkIdType point)
+/// What is asked of the mesh again and again.
+class Mesh
 {
-  Parameter at{};
-  mesh->GetPointData()->GetArray("ParametricCoordinates")->GetTuple(point, at.data());
-  return at;
-}
+public:
+  explicit Mesh(vtkPolyData* mesh)
+    : Data(mesh)
+    , Patches(mesh->GetCellData()->GetArray("PatchId"))
+    , Pieces(mesh->GetCellData()->GetArray("Piece"))
+    , Parameters(mesh->GetPointData()->GetArray("ParametricCoordinates"))
+  {
+  }
 
-int Label(vtkPolyData* mesh, const char* name, vtkIdType cell)
-{
-  return static_cast<int>(mesh->GetCellData()->GetArray(name)->GetComponent(cell, 0));
-}
+  [[nodiscard]] vtkIdType Points() const { return this->Data->GetNumberOfPoints(); }
+  [[nodiscard]] vtkIdType Cells() const { return this->Data->GetNumberOfCells(); }
+  [[nodiscard]] int Patch(vtkIdType cell) const
+  {
+    return static_cast<int>(this->Patches->GetComponent(cell, 0));
+  }
+  [[nodiscard]] int Piece(vtkIdType cell) const
+  {
+    return static_cast<int>(this->Pieces->GetComponent(cell, 0));
+  }
+  [[nodiscard]] Parameter ParameterOf(vtkIdType point) const
+  {
+    Parameter at{};
+    this->Parameters->GetTuple(point, at.data());
+    return at;
+  }
+  /// Calls body(cell, points of the cell) for all cells.
+  template <class Body>
+  void ForCells(const Body& body) const
+  {
+    vtkNew<vtkIdList> corners;
+    for (vtkIdType cell = 0; cell < this->Cells(); ++cell)
+    {
+      this->Data->GetCellPoints(cell, corners);
+      body(cell, *corners);
+    }
+  }
+
+private:
+  vtkPolyData* Data;
+  vtkDataArray* Patches;
+  vtkDataArray* Pieces;
+  vtkDataArray* Parameters;
+};
 
 /// Sets that grow together, of 0 .. count - 1; each is known by its least member.
 class Union
@@ -71,6 +107,12 @@ private:
 /// What decides whether points of different blocks and ranks are one: patch, piece, parameters. The
 /// same point differs by round-off from rank to rank, so these are rounded to single precision.
 using PointKey = std::array<double, 5>;
+
+/// Whether a patch has one piece of that kind at most, however it is divided.
+bool IsWhole(int piece)
+{
+  return piece < vtkNURBSJacobianBoundary::KNOT_PLANE || piece == vtkNURBSJacobianBoundary::CELLS;
+}
 
 PointKey KeyOf(int patch, int piece, const Parameter& at)
 {
@@ -112,26 +154,26 @@ std::map<int, std::array<std::set<float>, 3>> SeamsOf(const hyperpatch::MultiPat
 
 }
 
-void JacobianPieces::AddDeterminant(const hyperpatch::MultiPatch& model, vtkPolyData* mesh)
+void JacobianPieces::AddDeterminant(const hyperpatch::MultiPatch& model, vtkPolyData* output)
 {
-  const auto count = static_cast<std::size_t>(mesh->GetNumberOfPoints());
+  const Mesh mesh(output);
   vtkNew<vtkDoubleArray> values;
   values->SetName("JacobianDeterminant");
-  values->SetNumberOfTuples(mesh->GetNumberOfPoints());
+  values->SetNumberOfTuples(mesh.Points());
   values->Fill(0.0);
 
+  const auto count = static_cast<std::size_t>(mesh.Points());
   std::vector<int> patchOf(count, -1);
   std::vector<int> pieceOf(count, -1);
-  vtkNew<vtkIdList> corners;
-  for (vtkIdType cell = 0; cell < mesh->GetNumberOfCells(); ++cell)
-  {
-    mesh->GetCellPoints(cell, corners);
-    for (const vtkIdType point : *corners)
+  mesh.ForCells(
+    [&](vtkIdType cell, vtkIdList& corners)
     {
-      patchOf[static_cast<std::size_t>(point)] = Label(mesh, "PatchId", cell);
-      pieceOf[static_cast<std::size_t>(point)] = Label(mesh, "Piece", cell);
-    }
-  }
+      for (const vtkIdType point : corners)
+      {
+        patchOf[static_cast<std::size_t>(point)] = mesh.Patch(cell);
+        pieceOf[static_cast<std::size_t>(point)] = mesh.Piece(cell);
+      }
+    });
   for (const hyperpatch::Patch& patch : model.Patches)
   {
     const hyperpatch::Spline& geometry = patch.Body.Geometry();
@@ -149,7 +191,7 @@ void JacobianPieces::AddDeterminant(const hyperpatch::MultiPatch& model, vtkPoly
     for (std::size_t i = 0; i < count; ++i)
     {
       const auto point = static_cast<vtkIdType>(i);
-      const Parameter at = ParameterOf(mesh, point);
+      const Parameter at = mesh.ParameterOf(point);
       bool isHere = patchOf[i] == patch.Id && pieceOf[i] != vtkNURBSJacobianBoundary::KNOT_PLANE;
       for (std::size_t d = 0; d < 3; ++d)
       {
@@ -172,62 +214,62 @@ void JacobianPieces::AddDeterminant(const hyperpatch::MultiPatch& model, vtkPoly
       values->SetValue(points[i], here[i]);
     }
   }
-  mesh->GetPointData()->AddArray(values);
+  output->GetPointData()->AddArray(values);
 }
 
-void JacobianPieces::AddIds(const hyperpatch::MultiPatch& model, vtkPolyData* mesh,
+void JacobianPieces::AddIds(const hyperpatch::MultiPatch& model, vtkPolyData* output,
   const std::function<std::vector<double>(const std::vector<double>&)>& allGather)
 {
   // Pieces of this rank: over cells, and over points that blocks have in common.
-  const auto points = static_cast<std::size_t>(mesh->GetNumberOfPoints());
-  const vtkIdType cells = mesh->GetNumberOfCells();
-  Union joined(points);
+  const Mesh mesh(output);
+  Union joined(static_cast<std::size_t>(mesh.Points()));
   std::map<PointKey, std::size_t> seam;
   std::map<std::pair<int, int>, std::size_t> faces;
   const auto seams = SeamsOf(model);
-  vtkNew<vtkIdList> corners;
-  for (vtkIdType cell = 0; cell < cells; ++cell)
-  {
-    mesh->GetCellPoints(cell, corners);
-    const int patch = Label(mesh, "PatchId", cell);
-    const int piece = Label(mesh, "Piece", cell);
-    const auto first = static_cast<std::size_t>(corners->GetId(0));
-    for (const vtkIdType corner : *corners)
+  mesh.ForCells(
+    [&](vtkIdType cell, vtkIdList& corners)
     {
-      const auto point = static_cast<std::size_t>(corner);
-      joined.Join(first, point);
-      const Parameter at = ParameterOf(mesh, corner);
-      bool isOnSeam = false;
-      for (std::size_t d = 0; d < 3; ++d)
+      const int patch = mesh.Patch(cell);
+      const int piece = mesh.Piece(cell);
+      const auto first = static_cast<std::size_t>(corners.GetId(0));
+      // A face is the image of a rectangle, all of one piece, and so are the cells of a patch.
+      if (IsWhole(piece))
       {
-        isOnSeam = isOnSeam || seams.at(patch)[d].count(static_cast<float>(at[d])) > 0;
+        joined.Join(faces.emplace(std::make_pair(patch, piece), first).first->second, first);
       }
-      if (isOnSeam)
+      for (const vtkIdType corner : corners)
       {
-        joined.Join(seam.emplace(KeyOf(patch, piece, at), point).first->second, point);
+        const auto point = static_cast<std::size_t>(corner);
+        joined.Join(first, point);
+        const Parameter at = mesh.ParameterOf(corner);
+        bool isOnSeam = false;
+        for (std::size_t d = 0; d < 3; ++d)
+        {
+          isOnSeam = isOnSeam || seams.at(patch)[d].count(static_cast<float>(at[d])) > 0;
+        }
+        if (isOnSeam && !IsWhole(piece))
+        {
+          joined.Join(seam.emplace(KeyOf(patch, piece, at), point).first->second, point);
+        }
       }
-    }
-    // A face is the image of a rectangle, all of one piece, and so are the cells of a patch.
-    if (piece < vtkNURBSJacobianBoundary::KNOT_PLANE || piece == vtkNURBSJacobianBoundary::CELLS)
-    {
-      joined.Join(faces.emplace(std::make_pair(patch, piece), first).first->second, first);
-    }
-  }
+    });
 
   // Their least points, and the points where other ranks may go on: key and piece of this rank.
   std::map<std::size_t, PointKey> least;
-  for (vtkIdType cell = 0; cell < cells; ++cell)
-  {
-    mesh->GetCellPoints(cell, corners);
-    for (const vtkIdType corner : *corners)
+  mesh.ForCells(
+    [&](vtkIdType cell, vtkIdList& corners)
     {
-      const PointKey key =
-        KeyOf(Label(mesh, "PatchId", cell), Label(mesh, "Piece", cell), ParameterOf(mesh, corner));
-      const std::size_t root = joined.Find(static_cast<std::size_t>(corner));
-      PointKey& known = least.emplace(root, key).first->second;
-      known = std::min(known, key);
-    }
-  }
+      PointKey& known =
+        least
+          .emplace(joined.Find(static_cast<std::size_t>(corners.GetId(0))),
+            KeyOf(mesh.Patch(cell), mesh.Piece(cell), mesh.ParameterOf(corners.GetId(0))))
+          .first->second;
+      for (const vtkIdType corner : corners)
+      {
+        known =
+          std::min(known, KeyOf(mesh.Patch(cell), mesh.Piece(cell), mesh.ParameterOf(corner)));
+      }
+    });
   std::vector<double> records;
   const auto add = [&records, &least](const PointKey& key, std::size_t root)
   {
@@ -281,12 +323,12 @@ void JacobianPieces::AddIds(const hyperpatch::MultiPatch& model, vtkPolyData* me
 
   vtkNew<vtkIntArray> array;
   array->SetName("PieceId");
-  array->SetNumberOfTuples(cells);
-  for (vtkIdType cell = 0; cell < cells; ++cell)
-  {
-    mesh->GetCellPoints(cell, corners);
-    const std::size_t root = joined.Find(static_cast<std::size_t>(corners->GetId(0)));
-    array->SetValue(cell, ids.at(all.Find(number.at(least.at(root)))));
-  }
-  mesh->GetCellData()->AddArray(array);
+  array->SetNumberOfTuples(mesh.Cells());
+  mesh.ForCells(
+    [&](vtkIdType cell, vtkIdList& corners)
+    {
+      const std::size_t root = joined.Find(static_cast<std::size_t>(corners.GetId(0)));
+      array->SetValue(cell, ids.at(all.Find(number.at(least.at(root)))));
+    });
+  output->GetCellData()->AddArray(array);
 }

@@ -18,13 +18,13 @@ namespace JacobianPieces
 
 /// Adds the point array `JacobianDeterminant`: det J with respect to the patch's own parameters. On
 /// knot planes across which it jumps over 0 it is 0.
-void AddDeterminant(const hyperpatch::MultiPatch& model, vtkPolyData* mesh);
+void AddDeterminant(const hyperpatch::MultiPatch& model, vtkPolyData* output);
 
 /// Adds the cell array `PieceId`: cells of one patch and one `Piece` that are connected have the
 /// same number. Pieces are numbered from 0 in the order of patch, `Piece`, and the least parameters
 /// of their points, on one and on many ranks alike. All ranks must call it.
 /// \param allGather the records of all ranks, in order
-void AddIds(const hyperpatch::MultiPatch& model, vtkPolyData* mesh,
+void AddIds(const hyperpatch::MultiPatch& model, vtkPolyData* output,
   const std::function<std::vector<double>(const std::vector<double>&)>& allGather);
 
 }

@@ -316,6 +316,77 @@ TEST(JacobianBoundary, NumbersConnectedPieces)
   EXPECT_GT(largest[1], 0.5);
 }
 
+// The sheet is watertight: its border is on faces and knot planes, and there it is as near to the
+// mesh of the face as the tolerance says.
+TEST(JacobianBoundary, HasSheetsThatEndOnFaces)
+{
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> move(-1.3, 1.3);
+  Eigen::MatrixXd points(3, 125);
+  for (int i = 0; i < 125; ++i)
+  {
+    points.col(i) << i % 5 + move(random), i / 5 % 5 + move(random), i / 25 + move(random);
+  }
+  const KnotVector k = KnotVector::Uniform(3, 5);
+  FilterRun run(Alone(Spline({ k, k, k }, points)));
+  constexpr double Tolerance = 5e-3;
+  run.Filter->SetTolerance(Tolerance);
+  vtkPolyData* mesh = run.Update();
+  const double allowed =
+    Tolerance * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  std::map<std::array<vtkIdType, 2>, int> uses;
+  std::array<std::vector<vtkIdType>, 6> faces;
+  for (vtkIdType c = 0; c < mesh->GetNumberOfCells(); ++c)
+  {
+    const std::vector<vtkIdType> p = PointsOf(mesh, c);
+    const int piece = CellNumber(mesh, "Piece", c);
+    if (piece < Fold::KNOT_PLANE)
+    {
+      faces[static_cast<std::size_t>(piece)].push_back(c);
+    }
+    for (std::size_t i = 0; i < 3 && piece == Fold::SHEET; ++i)
+    {
+      ++uses[{ std::min(p[i], p[(i + 1) % 3]), std::max(p[i], p[(i + 1) % 3]) }];
+    }
+  }
+  int border = 0;
+  for (const auto& [edge, count] : uses)
+  {
+    ASSERT_LE(count, 2);
+    if (count == 2)
+    {
+      continue;
+    }
+    std::array<double, 3> a{};
+    std::array<double, 3> b{};
+    mesh->GetPointData()->GetArray("ParametricCoordinates")->GetTuple(edge[0], a.data());
+    mesh->GetPointData()->GetArray("ParametricCoordinates")->GetTuple(edge[1], b.data());
+    int side = -1;
+    for (int s = 0; s < 6; ++s)
+    {
+      const auto d = static_cast<std::size_t>(s / 2);
+      side = a[d] == s % 2 && b[d] == s % 2 ? s : side;
+    }
+    ASSERT_GE(side, 0) << "an open edge inside the volume";
+    // The vertex is on the exact face, and the mesh of the face within the tolerance of it.
+    const Eigen::Vector3d x = Point(mesh, edge[0]);
+    double nearest = INFINITY;
+    for (const vtkIdType c : faces[static_cast<std::size_t>(side)])
+    {
+      double closest[3];
+      double parameters[3];
+      double weights[3];
+      double square = 0.0;
+      int part = 0;
+      mesh->GetCell(c)->EvaluatePosition(x.data(), closest, part, parameters, square, weights);
+      nearest = std::min(nearest, std::sqrt(square));
+    }
+    EXPECT_LE(nearest, allowed);
+    ++border;
+  }
+  EXPECT_GT(border, 10);
+}
+
 TEST(JacobianBoundary, HasTheDeterminantAtItsPoints)
 {
   FilterRun run(Alone(models::SweptHalfCylinder()));
