@@ -20,7 +20,7 @@ namespace
 {
 
 /// Control points this close are one and the same, as a fraction of the diagonal.
-constexpr double ContactTolerance = 1e-9;
+constexpr double ContactTolerance = 1e-6;
 
 bool IsUniformCubic(const KnotVector& knots)
 {

@@ -135,6 +135,21 @@ private:
   const KnownInjectivity* Known;
 };
 
+/// Whether a point of an element is further inside it than a distance, along its derivatives.
+bool IsInside(const ModelElement& element, const std::array<double, 3>& parameters, double distance)
+{
+  const Eigen::Matrix3d j = EvaluateElement(element.Piece, parameters).J;
+  for (int d = 0; d < 3; ++d)
+  {
+    const double t = parameters[static_cast<std::size_t>(d)];
+    if (!(std::min(t, 1.0 - t) * j.col(d).norm() > distance))
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
 /// Tests elements and pairs, and collects what they tell.
 class Work
 {
@@ -168,6 +183,12 @@ public:
             std::swap(same->A, same->B);
           }
         }
+      }
+      // Patches of which the control points differ that much may overlap that much.
+      if (same && a.PatchId != b.PatchId &&
+        !(IsInside(a, same->A, this->Distance) && IsInside(b, same->B, this->Distance)))
+      {
+        same.reset();
       }
       return same.has_value();
     };

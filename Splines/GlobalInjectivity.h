@@ -20,8 +20,9 @@ struct InjectivityOptions
   /// How many boxes and pairs of boxes may be looked at for one element or pair of elements.
   int MaxTests = 20000;
   /// Control points this close are one and the same, as a fraction of the diagonal of all control
-  /// points: how interfaces, closed patches and collapsed sides are found.
-  double ContactTolerance = 1e-9;
+  /// points: how interfaces, closed patches and collapsed sides are found. Patches that overlap by
+  /// less are not taken to overlap.
+  double ContactTolerance = 1e-6;
   /// The part of the work that is done here, when several processes share it.
   std::size_t Share = 0;
   std::size_t Shares = 1;
@@ -50,7 +51,7 @@ struct Injectivity
 {
   /// 1: certified, rounding included: no two points have the same image, but for those that have
   /// the same control points (interfaces, seams of closed patches, collapsed sides), and left out
-  /// what lies within 1 / 8192 of an element of a face, edge or corner where det J is 0. -1: not
+  /// what lies within 1 / 1024 of an element of a face, edge or corner where det J is 0. -1: not
   /// injective, because det J has both signs in a patch, or there is a double point. 0: undecided.
   int Verdict = 1;
   /// Certain as well. Absent only where det J has both signs and Newton's iteration found no pair.

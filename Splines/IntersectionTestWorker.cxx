@@ -22,7 +22,7 @@ namespace
 /// Pieces are not halved below this part of an element in any direction.
 constexpr double LeastSize = 1.0 / 65536;
 /// How near to where det J is 0 pieces of that size are left out.
-constexpr double LeftOut = 8 * LeastSize;
+constexpr double LeftOut = 64 * LeastSize;
 /// Undecided places after which the rest is not looked at any more.
 constexpr int MaxFailures = 8;
 
@@ -50,25 +50,32 @@ bool TouchesEdge(const BezierPiece& piece, unsigned edges, double distance = 0.0
 }
 
 /// Whether det J is 0 on a piece or near it, by the bits of ElementValidity::Degenerate.
-bool TouchesDegenerate(const BezierPiece& piece, std::uint32_t bits)
+bool TouchesDegenerate(const BezierPiece& piece, std::uint32_t bits, double distance)
 {
   for (int side = 0; side < 6; ++side)
   {
-    if ((bits >> side & 1) && TouchesSide(piece, side / 2, side % 2, LeftOut))
+    if ((bits >> side & 1) && TouchesSide(piece, side / 2, side % 2, distance))
     {
       return true;
     }
   }
   for (int corner = 0; corner < 8; ++corner)
   {
-    if ((bits >> (18 + corner) & 1) && TouchesSide(piece, 0, corner & 1, LeftOut) &&
-      TouchesSide(piece, 1, corner >> 1 & 1, LeftOut) &&
-      TouchesSide(piece, 2, corner >> 2, LeftOut))
+    if ((bits >> (18 + corner) & 1) && TouchesSide(piece, 0, corner & 1, distance) &&
+      TouchesSide(piece, 1, corner >> 1 & 1, distance) &&
+      TouchesSide(piece, 2, corner >> 2, distance))
     {
       return true;
     }
   }
-  return TouchesEdge(piece, bits >> 6 & 0xfff, LeftOut);
+  return TouchesEdge(piece, bits >> 6 & 0xfff, distance);
+}
+
+/// Whether derivatives of a piece may be zero somewhere: where an edge is one point, or det J is 0.
+bool MayVanish(const BezierPiece& piece, const IntersectionTest::Subject& element)
+{
+  return TouchesEdge(piece, element.Collapsed) ||
+    (element.HasOneSign && TouchesDegenerate(piece, element.Degenerate, 0.0));
 }
 
 /// A narrow cone around vectors of any lengths, of which those that are zero to their error are
@@ -334,8 +341,9 @@ void IntersectionTest::Begin(
 
 bool IntersectionTest::GiveUp(const BezierPiece& a, const BezierPiece& b)
 {
-  if (this->A->HasOneSign && this->B->HasOneSign && TouchesDegenerate(a, this->A->Degenerate) &&
-    TouchesDegenerate(b, this->B->Degenerate))
+  if (this->A->HasOneSign && this->B->HasOneSign &&
+    TouchesDegenerate(a, this->A->Degenerate, LeftOut) &&
+    TouchesDegenerate(b, this->B->Degenerate, LeftOut))
   {
     return true;
   }
@@ -493,7 +501,7 @@ bool IntersectionTest::HasIndependentDerivatives(const BezierPiece& piece) const
   for (const int d : Extents(piece))
   {
     cones.push_back(DerivativeCone(piece.Points(), piece.Degrees(), d, piece.Error()));
-    if (cones.back().ZeroVectors() > 0 && !TouchesEdge(piece, this->A->Collapsed))
+    if (cones.back().ZeroVectors() > 0 && !MayVanish(piece, *this->A))
     {
       return false;
     }
@@ -511,7 +519,7 @@ bool IntersectionTest::MeetOnlyAt(
   vectors << ofA.Vectors, -ofB.Vectors;
   const double error = std::max(ofA.Error, ofB.Error);
   const Directions directions = FindDirections(vectors, error);
-  const bool mayVanish = TouchesEdge(a, this->A->Collapsed) || TouchesEdge(b, this->B->Collapsed);
+  const bool mayVanish = MayVanish(a, *this->A) || MayVanish(b, *this->B);
   if (directions.Zeros > ofA.OfFeature + ofB.OfFeature && !mayVanish)
   {
     return false;

@@ -28,9 +28,10 @@ namespace hyperpatch
 /// *Boundary.* Where det J has one strict sign inside, an element is injective if its border is
 /// (Kestelman; Ball): the same tests on the six faces.
 ///
-/// Vectors that are zero because an edge is a single point are left out of the cones: the points of
-/// such an edge are one point, and only they may coincide. What lies within 1 / 8192 of an element
-/// of a face, edge or corner where det J is 0 is left out where nothing else tells.
+/// Vectors that are zero because an edge is a single point, or at a border where det J is 0, are
+/// left out of the cones: only the points of such an edge, which are one point, may coincide. What
+/// lies within 1 / 1024 of an element of a face, edge or corner where det J is 0 is left out where
+/// nothing else tells.
 ///
 /// One object per thread.
 class IntersectionTest

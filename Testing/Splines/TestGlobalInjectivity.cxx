@@ -8,8 +8,6 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include <chrono>
-
 using namespace hyperpatch;
 
 namespace
@@ -196,6 +194,49 @@ TEST(GlobalInjectivity, PatchesMayTouchButNotOverlap)
   // One inside another.
   const MultiPatch nested = Model({ Box({ -9, -9, -9 }, { 9, 9, 9 }), first });
   ExpectWitness(nested, Tested(nested));
+}
+
+TEST(GlobalInjectivity, PatchesWithCommonControlPointsMayStillOverlap)
+{
+  const Spline first = Box({ 0, 0, 0 }, { 1, 1, 1 });
+  const auto second = [](const Eigen::Vector3d& u, const Eigen::Vector3d& v,
+                        const Eigen::Vector3d& w) -> Spline
+  {
+    return models::BezierVolume(
+      { 1, 1, 1 }, [&](int i, int j, int k) -> Eigen::Vector3d { return i * u + j * v + k * w; });
+  };
+  const std::vector<Spline> others{
+    // The face x = 0, then the edge x = y = 0, then the corner 0 in common.
+    second({ 0.5, 0.1, 0.1 }, { 0, 1, 0 }, { 0, 0, 1 }),
+    second({ 1, 0.5, 0 }, { 0.5, 1, 0 }, { 0, 0, 1 }),
+    second({ 0.6, -0.8, 0 }, { 0.8, 0.6, 0 }, { 0, 0, 1 }),
+    second({ 1, 0.3, 0.2 }, { 0.2, 1, 0.1 }, { 0.1, 0.1, 1 }),
+    second({ -1, 0.1, 0.1 }, { 1, 1, 0.8 }, { 0.1, -1, 1 })
+  };
+  for (std::size_t i = 0; i < others.size(); ++i)
+  {
+    const MultiPatch model = Model({ first, others[i] });
+    SCOPED_TRACE(i);
+    ExpectWitness(model, Tested(model));
+  }
+  // The same on the other side of the face, edge and corner.
+  EXPECT_EQ(Tested({ first, second({ -0.5, 0.1, 0.1 }, { 0, 1, 0 }, { 0, 0, 1 }) }).Verdict, 1);
+  EXPECT_EQ(Tested({ first, second({ -0.6, -0.8, 0 }, { -0.8, 0.6, 0 }, { 0, 0, 1 }) }).Verdict, 1);
+  EXPECT_EQ(
+    Tested({ first, second({ -1, 0.3, 0.2 }, { 0.2, -1, 0.1 }, { 0.1, 0.1, -1 }) }).Verdict, 1);
+}
+
+TEST(GlobalInjectivity, AFlatVolumeIsNotCertified)
+{
+  // The derivatives are three directions of a plane.
+  const Spline flat = models::BezierVolume({ 2, 2, 2 },
+    [](int i, int j, int k) { return Eigen::Vector3d(i + 0.3 * k, j + 0.4 * k, 0.0); });
+  EXPECT_NE(Tested({ flat }).Verdict, 1);
+  // det J = 6 (2u - 1)^2 keeps its sign, and the map is one to one all the same.
+  const double x[4] = { -1, 1, -1, 1 };
+  const Spline inflection = models::BezierVolume(
+    { 3, 1, 1 }, [&x](int i, int j, int k) { return Eigen::Vector3d(x[i], j, k); });
+  EXPECT_EQ(Tested({ inflection }).Verdict, 0);
 }
 
 TEST(GlobalInjectivity, FacesThatTouchWithoutCommonControlPointsStayUndecided)
