@@ -131,6 +131,7 @@ void vtkNURBSValidity::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ScaledTolerance: " << this->ScaledTolerance << "\n";
   os << indent << "GlobalInjectivity: " << (this->GlobalInjectivity ? "on" : "off") << "\n";
   os << indent << "MaximumTests: " << this->MaximumTests << "\n";
+  os << indent << "ContactTolerance: " << this->ContactTolerance << "\n";
   os << indent << "CondeTorres: " << (this->CondeTorres ? "on" : "off") << "\n";
   os << indent << "Known elements: " << (this->Known ? CountElements(this->Known->Validity) : 0)
      << "\n";
@@ -296,7 +297,8 @@ void vtkNURBSValidity::TestModel(Results& results)
     std::optional<hyperpatch::KnownInjectivity> known;
     // Pieces of other ranks are not kept.
     if (!isShared && this->Known && this->Known->Injectivity &&
-      this->Known->InjectivityOptions.MaxTests == this->MaximumTests)
+      this->Known->InjectivityOptions.MaxTests == this->MaximumTests &&
+      this->Known->InjectivityOptions.ContactTolerance == this->ContactTolerance)
     {
       known = hyperpatch::KnownInjectivity{ &*this->Known->Injectivity, {} };
       for (std::size_t p = 0; p < all.Patches.size(); ++p)
@@ -307,6 +309,7 @@ void vtkNURBSValidity::TestModel(Results& results)
       }
     }
     results.InjectivityOptions.MaxTests = this->MaximumTests;
+    results.InjectivityOptions.ContactTolerance = this->ContactTolerance;
     if (isShared)
     {
       results.InjectivityOptions.Share =

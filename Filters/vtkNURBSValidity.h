@@ -36,7 +36,8 @@
  *
  * Field data of both: `InvalidElements`, `UndecidedElements`, `TestedElements`, `Notes` (strings).
  * With GlobalInjectivity: `GloballyInjective` (1: no two points of the model have the same image,
- * but for identified boundary points and degenerate places; -1: they do; 0: undecided),
+ * but for boundary points that share control points, and left out what lies within 1 / 1024 of an
+ * element of a face, edge or corner where det J is 0; -1: they do; 0: undecided),
  * `UndecidedInjectivity` (elements and pairs), `TestedPairs`, and for -1 `DoublePoint` (3),
  * `DoublePointPatches` (2 values), `DoublePointParameters` (2 x 3), where one was found.
  *
@@ -45,8 +46,8 @@
  * `TestedPairs`).
  *
  * Cost: signs of det J 1 to 5 microseconds per tricubic element and core, bounds some 20, the
- * scaled Jacobian and injectivity some 100 each. Ranks share elements and pairs; for pairs every
- * rank holds all geometries.
+ * condition of Conde & Torres and injectivity some 100 each. Ranks share elements and pairs; for
+ * pairs every rank holds all geometries.
  *
  * References: Joy, Duchaineau 1999 (cones); Johnen, Remacle, Geuzaine, JCP 233, 2013 (Bernstein
  * coefficients of det J); Conde, Torres, A Simple Validity Condition for B-Spline Hyperpatches,
@@ -113,6 +114,16 @@ public:
 
   ///@{
   /**
+   * Control points this close are one and the same, as a fraction of the diagonal of the control
+   * points: how interfaces, seams and collapsed sides are found. Patches that overlap by less are
+   * not taken to overlap. Default 1e-6.
+   */
+  vtkSetClampMacro(ContactTolerance, double, 0.0, 1e-2);
+  vtkGetMacro(ContactTolerance, double);
+  ///@}
+
+  ///@{
+  /**
    * Whether to make the test of Conde & Torres. Default on.
    */
   vtkSetMacro(CondeTorres, bool);
@@ -145,6 +156,7 @@ private:
   double ScaledTolerance = 0.05;
   bool GlobalInjectivity = true;
   int MaximumTests = 20000;
+  double ContactTolerance = 1e-6;
   bool CondeTorres = true;
   std::unique_ptr<Results> Known;
 };
