@@ -29,7 +29,7 @@ line.AttributeName = 'Index'
 line.AttributeValues = [1.62, 1.62, 1.4, 1.58, 1.46]
 line.AttributeDegree = 3
 
-disk = simple.NURBSRevolve(registrationName='disk', Input=line)
+disk = simple.NURBSRevolve(registrationName='disk', Input=line, AxisDirection=[0, 0, 1])
 lens = simple.NURBSExtrude(registrationName='lens', Input=disk, Vector=[0, 0, 0.5])
 
 # As meshes, for files; in the view the models are shown themselves.

@@ -40,7 +40,7 @@ public:
 
   ///@{
   /**
-   * The control points. Default: four, from (0, 0, 0) to (1, 0, 0) in an S. Indices beyond their
+   * The control points. Default: four, in an S from (1, 0, 0) to (1, 2, 0). Indices beyond their
    * number are ignored, here and below.
    */
   void SetNumberOfPoints(int number);
@@ -116,8 +116,8 @@ private:
   void Resize(std::vector<double>& numbers, int number);
   void SetNumber(std::vector<double>& numbers, int index, double value);
 
-  std::vector<std::array<double, 3>> Points = { { 0.0, 0.0, 0.0 }, { 0.25, 0.5, 0.0 },
-    { 0.75, -0.5, 0.0 }, { 1.0, 0.0, 0.0 } };
+  std::vector<std::array<double, 3>> Points = { { 1.0, 0.0, 0.0 }, { 2.0, 0.5, 0.0 },
+    { 0.25, 1.0, 0.0 }, { 1.0, 2.0, 0.0 } };
   int Degree = 3;
   std::vector<double> Weights;
   std::vector<double> Knots;

@@ -39,7 +39,7 @@ public:
 
   ///@{
   /**
-   * The direction of the axis, of any length. Default 0, 0, 1.
+   * The direction of the axis, of any length. Default 0, 1, 0.
    */
   vtkSetVector3Macro(AxisDirection, double);
   vtkGetVector3Macro(AxisDirection, double);
@@ -65,7 +65,7 @@ private:
   void operator=(const vtkNURBSRevolve&) = delete;
 
   double AxisPoint[3] = { 0.0, 0.0, 0.0 };
-  double AxisDirection[3] = { 0.0, 0.0, 1.0 };
+  double AxisDirection[3] = { 0.0, 1.0, 0.0 };
   double Angle = 360.0;
 };
 

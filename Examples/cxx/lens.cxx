@@ -55,6 +55,7 @@ int main(int argc, char* argv[])
 
   vtkNew<vtkNURBSRevolve> disk;
   disk->SetInputConnection(line->GetOutputPort());
+  disk->SetAxisDirection(0.0, 0.0, 1.0);
   vtkNew<vtkNURBSExtrude> lens;
   lens->SetInputConnection(disk->GetOutputPort());
   lens->SetVector(0.0, 0.0, 0.5);

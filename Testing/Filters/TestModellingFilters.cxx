@@ -153,6 +153,7 @@ TEST(ModellingPipeline, AnEditOfTheAttributeCurveReachesTheSolid)
   MakeLine(line, 0.0);
   vtkNew<vtkNURBSRevolve> disk;
   disk->SetInputConnection(line->GetOutputPort());
+  disk->SetAxisDirection(0, 0, 1);
   vtkNew<vtkNURBSExtrude> lens;
   lens->SetInputConnection(disk->GetOutputPort());
   lens->SetVector(0, 0, 0.5);
@@ -189,6 +190,7 @@ TEST(ModellingPipeline, AnAttributeThatIsConstantInADirectionCanBeContoured)
   line->SetAttributeValue(1, 2.0);
   vtkNew<vtkNURBSRevolve> disk;
   disk->SetInputConnection(line->GetOutputPort());
+  disk->SetAxisDirection(0, 0, 1);
   vtkNew<vtkNURBSExtrude> lens;
   lens->SetInputConnection(disk->GetOutputPort());
   vtkNew<vtkNURBSContour> contour;
@@ -269,8 +271,7 @@ TEST(ModellingPipeline, BadInputIsOneErrorAndEmptyOutput)
 
   vtkNew<vtkNURBSRevolve> revolve;
   revolve->SetInputConnection(curve->GetOutputPort());
-  revolve->SetAxisPoint(0.5, 0, 0);
-  revolve->SetAxisDirection(0, 1, 0);
+  revolve->SetAxisPoint(1, 0, 0);
   ExpectRefused(revolve, "crosses the axis of revolution");
 
   vtkNew<vtkNURBSRule> rule;

@@ -23,7 +23,7 @@ def lens():
     """Martin and Cohen's Figure 1: a line with an attribute, a disk, a volume."""
     line = simple.NURBSCurve(Points=[0, 0, 0, 1, 0, 0], AttributeName='Index',
                              AttributeValues=[1.6, 1.6, 1.5, 1.4])
-    disk = simple.NURBSRevolve(Input=line)
+    disk = simple.NURBSRevolve(Input=line, AxisDirection=[0, 0, 1])
     return line, disk, simple.NURBSExtrude(Input=disk, Vector=[0, 0, 0.5])
 
 
@@ -84,7 +84,7 @@ class Modelling(unittest.TestCase):
     def test_a_polyline_becomes_a_vase(self):
         profile = simple.PolyLineSource(Points=[1, 0, 0, 1.5, 0, 1, 0.5, 0, 2, 1, 0, 3])
         wall = simple.NURBSCurveThroughPoints(Input=profile)
-        vase = simple.NURBSRevolve(Input=wall, Angle=270)
+        vase = simple.NURBSRevolve(Input=wall, Angle=270, AxisDirection=[0, 0, 1])
         self.assert_shows(vase, 2000)
         places = common.points(common.fetch(simple.NURBSTessellate(Input=vase)))
         for x, _, z in numpy.reshape(profile.Points, (-1, 3)):
@@ -94,7 +94,8 @@ class Modelling(unittest.TestCase):
 
     def test_rule_and_loft_take_sections_in_their_order(self):
         circles = [simple.NURBSRevolve(
-            Input=simple.NURBSCurve(Points=[0.1, 0, z, r, 0, z], Degree=1 + z % 2))
+            Input=simple.NURBSCurve(Points=[0.1, 0, z, r, 0, z], Degree=1 + z % 2),
+            AxisDirection=[0, 0, 1])
             for z, r in ((0, 1.0), (1, 1.5), (2, 0.8), (3, 1.0))]
         ring = simple.NURBSRule(Input=circles[:2])
         self.assert_shows(ring)
