@@ -151,6 +151,34 @@ class GUI(unittest.TestCase):
         session.python(f'record(cells={CELLS})')
         self.assertGreater(session.play()['cells'], 0)
 
+    def test_a_curve_of_the_panel_becomes_a_surface(self):
+        session = self.session()
+        session.load_plugin()
+        session.source('NURBSCurve')
+        session.check(gui.PANEL + '/InteractivePolyLine/show3DWidget', 'checked', 'true')
+        session.apply()
+        session.filter('NURBSRevolve')
+        session.event(gui.PANEL + '/Angle/DoubleRangeWidget/DoubleLineEdit', 'set_string', '180')
+        session.apply()
+        session.python(f'{PIPELINE}\nrecord(pipeline=pipeline)')
+        session.source('NURBSPrimitive')
+        for shape, shown_controls in (('Box', ['Lengths']), ('Tube', ['Radius', 'InnerRadius']),
+                                      ('Helix', ['Radius', 'Pitch', 'Parametrisation'])):
+            session.event(gui.PANEL + '/Shape/ComboBox', 'set_string', shape)
+            for name in ('Lengths', 'Radius', 'InnerRadius', 'Pitch', 'Parametrisation'):
+                session.check(f'{gui.PANEL}/{name}', 'visible',
+                              'true' if name in shown_controls else 'false')
+        session.apply()
+        session.python(f'record(cells={CELLS})')
+        seen = session.play()
+        self.assertGreater(seen['cells'], 0)
+        self.assertEqual(shown(seen['pipeline']), ['NURBSRevolve1'])
+        bounds = seen['pipeline']['NURBSRevolve1'][2]
+        # Half a turn about y, towards -z.
+        self.assertAlmostEqual(bounds[0], -bounds[1])
+        self.assertAlmostEqual(bounds[4], -bounds[1])
+        self.assertAlmostEqual(bounds[5], 0)
+
 
 if __name__ == '__main__':
     unittest.main()

@@ -74,6 +74,9 @@ class Session:
         if several_readers:  # ours is the one that is offered
             self.event('pqSelectReaderDialog/okButton')
 
+    def source(self, name):
+        self.event('menubar/menuSources/NURBS', 'activate', name)
+
     def filter(self, name):
         self.event('menubar/menuFilters/NURBS', 'activate', name)
 
