@@ -39,6 +39,8 @@ class Modelling(unittest.TestCase):
         display = simple.Show(proxy, self.view)
         self.assertEqual(display.SMProxy.GetXMLName(), 'NURBSRepresentation')
         self.assertEqual(display.Representation, 'NURBS Solid')
+        # Lines have the full colour, which is white as the background.
+        display.AmbientColor = display.DiffuseColor = [0.5, 0.5, 0.5]
         self.view.ResetCamera(True)
         self.assertGreater(common.silhouette(self.view).sum(), least)
         return display
