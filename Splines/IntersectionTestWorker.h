@@ -79,8 +79,6 @@ private:
   bool Pair(const BezierPiece& a, const BezierPiece& b);
 
   [[nodiscard]] bool HasIndependentDerivatives(const BezierPiece& piece) const;
-  [[nodiscard]] bool MeetOnlyAt(
-    const SharedFeature& feature, const BezierPiece& a, const BezierPiece& b) const;
 
   int MaxTests;
   int Count = 0;
