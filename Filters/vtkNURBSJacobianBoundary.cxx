@@ -36,7 +36,7 @@ namespace
 
 /// Grid cells per span on knot planes, at first and at most.
 constexpr int LeastSubdivision = 4;
-constexpr int GreatestSubdivision = 64;
+constexpr int GreatestSubdivision = 256;
 
 /// Segments that draw the edge of a cell.
 constexpr int EdgeSegments = 4;

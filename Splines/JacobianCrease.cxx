@@ -58,6 +58,21 @@ Bernstein OnFace(const Bernstein& f, std::size_t direction, bool atEnd)
   return Bernstein(degrees, face, f.RoundingBound());
 }
 
+/// True if g is f times a positive number, to rounding: the map turns nowhere at the plane, only
+/// its speed may jump, and both vanish together.
+bool IsProportional(const Bernstein& f, const Bernstein& g)
+{
+  Eigen::Index largest = 0;
+  f.Coefficients().cwiseAbs().maxCoeff(&largest);
+  const double ratio = g.Coefficients()[largest] / f.Coefficients()[largest];
+  return ratio > 0.0 &&
+    (g.Coefficients() - ratio * f.Coefficients()).cwiseAbs().maxCoeff() <=
+    2.0 * (g.RoundingBound() + ratio * f.RoundingBound());
+}
+
+/// Zeros of both determinants on an edge are one if they are nearer than this part of it.
+constexpr double Coincidence = 1e-11;
+
 /// det J on both sides of the plane.
 using Pair = std::array<double, 2>;
 
@@ -143,9 +158,12 @@ private:
       return;
     }
     this->Element = begin;
-    this->Search({ 0, 0, this->N },
-      { OnFace(*this->Sides[0].OnBox(low), this->D, true),
-        OnFace(*this->Sides[1].OnBox(high), this->D, false) });
+    const std::array<Bernstein, 2> f{ OnFace(*this->Sides[0].OnBox(low), this->D, true),
+      OnFace(*this->Sides[1].OnBox(high), this->D, false) };
+    if (!IsZero(f[0]) && !IsZero(f[1]) && !IsProportional(f[0], f[1]))
+    {
+      this->Search({ 0, 0, this->N }, f);
+    }
   }
 
   /// Goes down to single cells where the bounds leave a sign open.
@@ -162,10 +180,6 @@ private:
           this->AddCell(b, c, true);
         }
       }
-      return;
-    }
-    if (IsZero(f[0]) || IsZero(f[1]))
-    {
       return;
     }
     if (block.Size == 1)
@@ -244,9 +258,27 @@ private:
       return;
     }
     ++this->Result.UndecidedCells;
+    // Where both change their signs together no finer grid tells more.
+    if (this->ChangesSign(corners, 0) && this->ChangesSign(corners, 1))
+    {
+      return;
+    }
     const Eigen::Vector3d diagonal = this->Position(corners[2]) - this->Position(corners[0]);
     this->Result.HasWideUndecidedCells =
       this->Result.HasWideUndecidedCells || diagonal.norm() > this->FeatureSize;
+  }
+
+  [[nodiscard]] bool ChangesSign(const std::array<Index, 4>& corners, std::size_t side) const
+  {
+    bool positive = false;
+    bool negative = false;
+    for (const Index corner : corners)
+    {
+      const double value = this->V[static_cast<std::size_t>(corner)].Values[side];
+      positive = positive || value > 0.0;
+      negative = negative || value < 0.0;
+    }
+    return positive && negative;
   }
 
   [[nodiscard]] Eigen::Vector3d Position(Index vertex) const
@@ -346,6 +378,11 @@ private:
     std::array<bool, 2> isRoot = { low.IsRoot[0] && high.IsRoot[0],
       low.IsRoot[1] && high.IsRoot[1] };
     isRoot[side] = true;
+    // Where the map is smooth but for its speed both vanish together: no slivers of round-off.
+    const std::size_t other = 1 - side;
+    isRoot[other] = isRoot[other] ||
+      std::abs(this->Value(other, at(t))) <=
+        Coincidence * std::max(std::abs(low.Values[other]), std::abs(high.Values[other]));
     const Index root = this->AddVertex(at(t), isRoot);
     this->V[static_cast<std::size_t>(root)].IsRoot[side] = true;
     found->second = root;

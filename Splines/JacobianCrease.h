@@ -24,8 +24,10 @@ struct JacobianCrease
   Eigen::Matrix<std::int64_t, 3, Eigen::Dynamic> Triangles;
   Eigen::Matrix3Xi Elements; ///< per triangle: the non-empty span of `below`, counted from 0
 
-  double LargestError = 0.0;       ///< physical distance, measured at midpoints of edges
-  std::int64_t UndecidedCells = 0; ///< no sign change at corners, yet bounds do not exclude one
+  double LargestError = 0.0; ///< physical distance, measured at midpoints of edges
+  /// Cells without a piece whose bounds do not exclude one. Where the map is smooth across the
+  /// plane but for its speed these are the cells around det J = 0, which is there on both sides.
+  std::int64_t UndecidedCells = 0;
   /// Some of these are wider than the feature size: a finer grid may decide them.
   bool HasWideUndecidedCells = false;
 };

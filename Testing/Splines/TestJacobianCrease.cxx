@@ -170,6 +170,60 @@ TEST(JacobianCrease, CountsWhatIsLeftOpen)
   EXPECT_GT(ExtractJacobianCrease(small.Below, small.Above, 0, 32, 0.01).Triangles.cols(), 0);
 }
 
+TEST(JacobianCrease, IsNowhereWhereOnlyTheSpeedJumps)
+{
+  // Two arcs of 90 degrees with a double knot between them make a tube whose section is squeezed,
+  // so that det J changes its sign on both sides of the plane at the same radius.
+  const double r = std::sqrt(0.5);
+  const double arcs[5][3] = { { 1, 0, 1 }, { 1, 1, r }, { 0, 1, 1 }, { -1, 1, r }, { -1, 0, 1 } };
+  for (const double stretch : { 1.0, 3.0 })
+  {
+    Eigen::MatrixXd points(3, 30);
+    Eigen::VectorXd weights(30);
+    for (int n = 0; n < 30; ++n)
+    {
+      const int v = n / 5 % 3;
+      const double radius = v == 1 ? 3.0 : 1.0;
+      points.col(n) << radius * arcs[n % 5][0], radius * arcs[n % 5][1], n / 15 + 0.3 * v;
+      weights[n] = arcs[n % 5][2];
+    }
+    const Spline s({ KnotVector(2, { 0, 0, 0, 1, 1, 1 + stretch, 1 + stretch, 1 + stretch }),
+                     KnotVector::Uniform(2, 3), KnotVector::Uniform(1, 2) },
+      points, weights);
+    const JacobianCrease crease =
+      ExtractJacobianCrease(RestrictToSpans(s, { 0, 0, 0 }, { 1, 1, 1 }),
+        RestrictToSpans(s, { 1, 0, 0 }, { 2, 1, 1 }), 0, 8, 0.01);
+    EXPECT_EQ(crease.Triangles.cols(), 0);
+    EXPECT_EQ(crease.UndecidedCells, 0);
+  }
+}
+
+TEST(JacobianCrease, IsNowhereWhereBothSidesFoldTogether)
+{
+  // y folds back at the same v on both sides, x grows by 2 u below and by (1 + v) (u - 1/2) above.
+  Eigen::MatrixXd points(3, 24);
+  const double y[4] = { 0.0, 1.0, 0.7, 0.2 };
+  for (int i = 0; i < 24; ++i)
+  {
+    const int u = i % 3;
+    const int v = i / 3 % 4;
+    points.col(i) << (u == 0 ? 0.0 : u == 1 ? 1.0 : 1.0 + 0.5 * (1.0 + v / 3.0)), y[v], i / 12;
+  }
+  const Spline s(
+    { KnotVector(1, { 0, 0, 0.5, 1, 1 }), KnotVector::Uniform(3, 4), KnotVector::Uniform(1, 2) },
+    points);
+  for (const int subdivision : { 4, 64 })
+  {
+    const JacobianCrease crease =
+      ExtractJacobianCrease(RestrictToSpans(s, { 0, 0, 0 }, { 1, 1, 1 }),
+        RestrictToSpans(s, { 1, 0, 0 }, { 2, 1, 1 }), 0, subdivision, 1e-6);
+    EXPECT_EQ(crease.Triangles.cols(), 0);
+    // The cells on the fold, and no reason to refine them.
+    EXPECT_EQ(crease.UndecidedCells, subdivision);
+    EXPECT_FALSE(crease.HasWideUndecidedCells);
+  }
+}
+
 TEST(JacobianCrease, LeavesSheetsInThePlaneAlone)
 {
   // det J = 0 above, all over the plane.
