@@ -9,6 +9,7 @@
 #include "Interpolation.h"
 #include "NURBSConversion.h"
 #include "SampleGrid.h"
+#include "WholeInput.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataObjectAlgorithm.h"
@@ -330,14 +331,20 @@ int vtkNURBSAddAttribute::RequestUpdateExtent(
 
 MultiPatch vtkNURBSAddAttribute::ConvertInput(int port, vtkDataObject* input)
 {
-  return port == 0 ? this->Superclass::ConvertInput(port, input) : MultiPatch();
+  if (port == 0)
+  {
+    this->Source = nullptr;
+    return this->Superclass::ConvertInput(port, input);
+  }
+  this->Source = WholeInput(input, this->GetController());
+  return {};
 }
 
 MultiPatch vtkNURBSAddAttribute::MakeModel(const Inputs& inputs)
 {
   FitReport report;
-  Maker maker(this,
-    this->GetNumberOfInputConnections(1) > 0 ? this->GetInputDataObject(1, 0) : nullptr, report);
+  const vtkSmartPointer<vtkDataObject> source = std::exchange(this->Source, nullptr);
+  Maker maker(this, source, report);
   MultiPatch model = inputs[0][0];
   const double step = 1.0 / static_cast<double>(model.Patches.size());
   for (std::size_t i = 0; i < model.Patches.size(); ++i)

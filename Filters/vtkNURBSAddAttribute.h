@@ -28,6 +28,7 @@
 
 #include "vtkNURBSFiltersModule.h" // for the export macro
 #include "vtkNURBSModelAlgorithm.h"
+#include "vtkSmartPointer.h" // for the second input
 
 #include <string> // for names and the expression
 
@@ -151,6 +152,8 @@ private:
   int Degree[3] = { 3, 3, 3 };
   int ControlPoints[3] = { 16, 16, 16 };
   int MissingSamples = REFUSE;
+  /// The second input, from HasWork() to MakeModel().
+  vtkSmartPointer<vtkDataObject> Source;
 };
 
 #endif

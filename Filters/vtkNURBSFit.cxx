@@ -7,6 +7,7 @@
 #include "NURBSConversion.h"
 #include "SampleGrid.h"
 #include "ScatteredFit.h"
+#include "WholeInput.h"
 
 #include "vtkCellData.h"
 #include "vtkCompositeDataIterator.h"
@@ -41,18 +42,14 @@ using hyperpatch::MultiPatch;
 using hyperpatch::Patch;
 using hyperpatch::Spline;
 
-/// The data sets of the input; an index is the id of a patch.
+/// The data sets of the input that have points; an index is the id of a patch.
 std::vector<std::pair<int, vtkDataSet*>> DataSets(vtkDataObject* input)
 {
   std::vector<std::pair<int, vtkDataSet*>> sets;
   const auto add = [&sets](vtkDataObject* leaf, int id)
   {
     auto set = vtkDataSet::SafeDownCast(leaf);
-    if (!set)
-    {
-      throw Error("a " + std::string(leaf->GetClassName()) + " has no points to fit");
-    }
-    if (set->GetNumberOfPoints() > 0)
+    if (set && set->GetNumberOfPoints() > 0)
     {
       sets.emplace_back(id, set);
     }
@@ -66,10 +63,7 @@ std::vector<std::pair<int, vtkDataSet*>> DataSets(vtkDataObject* input)
     int id = 0;
     for (it->InitTraversal(); !it->IsDoneWithTraversal(); it->GoToNextItem(), ++id)
     {
-      if (it->GetCurrentDataObject())
-      {
-        add(it->GetCurrentDataObject(), id);
-      }
+      add(it->GetCurrentDataObject(), id);
     }
   }
   else if (input)
@@ -435,12 +429,13 @@ int vtkNURBSFit::RequestUpdateExtent(
 
 bool vtkNURBSFit::HasWork(vtkDataObject* input)
 {
-  if (hyperpatch::IsSplineData(input))
+  this->Whole = WholeInput(input, this->GetController());
+  if (hyperpatch::IsSplineData(this->Whole))
   {
     throw Error("the input is a spline model already; NURBS Fit takes sampled data, such as NURBS "
                 "Tessellate gives");
   }
-  const auto sets = DataSets(input);
+  const auto sets = DataSets(this->Whole);
   for (const std::string& name : this->PointArrays)
   {
     const auto has = [&name](const std::pair<int, vtkDataSet*>& set)
@@ -465,9 +460,10 @@ bool vtkNURBSFit::HasWork(vtkDataObject* input)
   return !sets.empty();
 }
 
-void vtkNURBSFit::ExecuteInput(vtkDataObject* input, vtkDataObject* output)
+void vtkNURBSFit::ExecuteInput(vtkDataObject*, vtkDataObject* output)
 {
-  const auto sets = DataSets(input);
+  const vtkSmartPointer<vtkDataObject> whole = std::exchange(this->Whole, nullptr);
+  const auto sets = DataSets(whole);
   MultiPatch model;
   FitReport report;
   Fitter fitter(this, report);

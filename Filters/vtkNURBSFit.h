@@ -32,7 +32,9 @@
  * point. Left out, they are filled from their neighbours for interpolation and target errors, and
  * have no influence on least squares to ControlPoints and on scattered data.
  *
- * In a parallel run every process fits the whole data, and gives its part of the result.
+ * In a parallel run every process fits the whole data, and gives its part of the result. Data that
+ * only one process reads are sent to the others; data that are divided whatever is asked for (as
+ * the PLOT3D reader does) are an error.
  *
  * Cost: gridded methods are linear in the number of samples, with one copy of one array in doubles
  * (two with target errors).
@@ -56,6 +58,7 @@
 
 #include "vtkNURBSAlgorithm.h"
 #include "vtkNURBSFiltersModule.h" // for the export macro
+#include "vtkSmartPointer.h"       // for the input
 
 #include <set>    // for the names of arrays
 #include <string> // for the names of arrays
@@ -212,6 +215,8 @@ private:
   double Smoothing = 0.0;
   int SampleParameters = CHORD_LENGTH;
   int MissingSamples = REFUSE;
+  /// From HasWork() to ExecuteInput().
+  vtkSmartPointer<vtkDataObject> Whole;
 };
 
 #endif
