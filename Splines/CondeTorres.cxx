@@ -8,6 +8,7 @@
 #include "RoundingWorker.h"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -246,10 +247,18 @@ bool ParallelSkinsMeet(
   return false;
 }
 
-std::array<int, 3> Distance(const ModelElement& a, const ModelElement& b)
+/// How far apart two elements are in their patch: in total, and in one direction. Cells that are
+/// not of one patch are far apart.
+std::array<int, 2> ElementsBetween(const ModelElement& a, const ModelElement& b)
 {
-  return { std::abs(a.Span[0] - b.Span[0]), std::abs(a.Span[1] - b.Span[1]),
-    std::abs(a.Span[2] - b.Span[2]) };
+  std::array<int, 2> apart{ INT_MAX, INT_MAX };
+  if (const auto offset = LatticeOffset(a, b))
+  {
+    const auto [u, v, w] = *offset;
+    apart = { std::abs(u) + std::abs(v) + std::abs(w),
+      std::max({ std::abs(u), std::abs(v), std::abs(w) }) };
+  }
+  return apart;
 }
 
 }
@@ -332,11 +341,11 @@ CondeTorres TestCondeTorres(const MultiPatch& model, const ParallelFor& parallel
       {
         const auto a = static_cast<std::size_t>(pairs[static_cast<std::size_t>(i)][0]);
         const auto b = static_cast<std::size_t>(pairs[static_cast<std::size_t>(i)][1]);
-        const std::array<int, 3> apart = Distance(elements[a], elements[b]);
+        const auto [inTotal, inOneDirection] = ElementsBetween(elements[a], elements[b]);
         // Neighbours that share control points, or would if the knots were uniform.
         const int reach = result.Forms[elements[a].Patch] == CondeTorresForm::Bezier ? 1 : 3;
-        const bool sharePoints = std::max({ apart[0], apart[1], apart[2] }) <= reach;
-        if (apart[0] + apart[1] + apart[2] == 1)
+        const bool sharePoints = inOneDirection <= reach;
+        if (inTotal == 1)
         {
           ++found.Contiguous;
         }

@@ -17,6 +17,7 @@
 #include <mutex>
 #include <string>
 #include <tuple>
+#include <utility>
 
 namespace hyperpatch
 {
@@ -39,7 +40,8 @@ std::optional<SameImage> FindAcrossFace(
     std::array<double, 3> start{ 0.5, 0.5, 0.5 };
     std::array<double, 3> guess = start;
     start[direction] = 1.0 - distance;
-    guess[direction] = distance * a.Size[direction] / b.Size[direction];
+    guess[direction] =
+      distance * (a.High[direction] - a.Low[direction]) / (b.High[direction] - b.Low[direction]);
     if (auto same = FindSameImage(a.Piece, start, b.Piece, guess, false))
     {
       return same;
@@ -48,62 +50,88 @@ std::optional<SameImage> FindAcrossFace(
   return std::nullopt;
 }
 
-/// If det J has both signs in a patch: two points with one image, where they are found.
-std::optional<DoublePoint> FindFold(
-  const std::vector<ModelElement>& elements, const std::vector<const ElementValidity*>& validity)
+/// Where det J has both signs in a patch, which is not injective then: an injective map of a
+/// connected domain has one local degree.
+class Folds
 {
-  std::map<std::tuple<int, int, int, int>, std::size_t> places;
-  for (std::size_t e = 0; e < elements.size(); ++e)
+public:
+  Folds(
+    const std::vector<ModelElement>& elements, const std::vector<const ElementValidity*>& validity)
+    : Elements(elements)
+    , Validity(validity)
   {
-    const ElementValidity& element = *validity[e];
-    if (element.Verdict == -1 && element.Positive && element.Negative)
+    std::map<std::tuple<int, int, int, int>, std::size_t> places;
+    std::map<std::size_t, std::array<bool, 2>> signs;
+    for (std::size_t e = 0; e < elements.size(); ++e)
     {
-      if (const auto same = FindSameImageAtFold(elements[e].Piece,
-            elements[e].FromPatch(*element.Positive), elements[e].FromPatch(*element.Negative)))
+      const ElementValidity& element = *validity[e];
+      if (element.Positive && element.Negative)
       {
-        return MakeWitness(elements[e], elements[e], *same);
+        this->Inside.push_back(e);
       }
+      std::array<bool, 2>& has = signs[elements[e].Patch];
+      has[0] = has[0] || element.Positive;
+      has[1] = has[1] || element.Negative;
+      this->Any = this->Any || (has[0] && has[1]);
+      const auto& [u, v, w] = elements[e].Span;
+      places[{ elements[e].PatchId, u, v, w }] = e;
     }
-    const auto& span = elements[e].Span;
-    places[{ elements[e].PatchId, span[0], span[1], span[2] }] = e;
-  }
-  for (const auto& [place, a] : places)
-  {
-    for (std::size_t d = 0; d < 3; ++d)
+    // Neighbours may be of two parts of a patch.
+    for (const auto& [place, a] : places)
     {
       const auto [patch, u, v, w] = place;
-      const auto next = places.find({ patch, u + (d == 0), v + (d == 1), w + (d == 2) });
-      if (next != places.end() && validity[a]->Sign * validity[next->second]->Sign < 0)
+      for (std::size_t d = 0; d < 3; ++d)
       {
-        const ModelElement& b = elements[next->second];
-        if (const auto same = FindAcrossFace(elements[a], b, d))
+        const auto next = places.find({ patch, u + (d == 0), v + (d == 1), w + (d == 2) });
+        if (next != places.end() && validity[a]->Sign * validity[next->second]->Sign < 0 &&
+          LatticeOffset(elements[a], elements[next->second]))
         {
-          return MakeWitness(elements[a], b, *same);
+          this->Between.push_back({ a, next->second, d });
         }
       }
     }
+    this->Any = this->Any || !this->Inside.empty() || !this->Between.empty();
   }
-  return std::nullopt;
-}
 
-/// Whether the elements of some patch have both signs. An injective map of a connected domain has
-/// one local degree.
-bool HasBothSigns(
-  const std::vector<ModelElement>& elements, const std::vector<const ElementValidity*>& validity)
-{
-  std::map<int, std::array<bool, 2>> signs;
-  for (std::size_t e = 0; e < elements.size(); ++e)
+  [[nodiscard]] bool AreThere() const { return this->Any; }
+
+  /// Two points with one image, if they are found.
+  [[nodiscard]] std::optional<DoublePoint> FindDoublePoint() const
   {
-    std::array<bool, 2>& has = signs[elements[e].PatchId];
-    has[0] = has[0] || validity[e]->Positive;
-    has[1] = has[1] || validity[e]->Negative;
-    if (has[0] && has[1])
+    int left = Attempts;
+    for (std::size_t i = 0; i < this->Inside.size() && left > 0; ++i, --left)
     {
-      return true;
+      const std::size_t e = this->Inside[i];
+      const ModelElement& element = this->Elements[e];
+      if (const auto same =
+            FindSameImageAtFold(element.Piece, element.FromPatch(*this->Validity[e]->Positive),
+              element.FromPatch(*this->Validity[e]->Negative)))
+      {
+        return MakeWitness(element, element, *same);
+      }
     }
+    for (std::size_t i = 0; i < this->Between.size() && left > 0; ++i, --left)
+    {
+      const auto& [a, b, direction] = this->Between[i];
+      if (const auto same = FindAcrossFace(this->Elements[a], this->Elements[b], direction))
+      {
+        return MakeWitness(this->Elements[a], this->Elements[b], *same);
+      }
+    }
+    return std::nullopt;
   }
-  return false;
-}
+
+private:
+  /// One will do, and where many fail the rest is not likely to help.
+  static constexpr int Attempts = 100;
+
+  const std::vector<ModelElement>& Elements;
+  const std::vector<const ElementValidity*>& Validity;
+  std::vector<std::size_t> Inside;
+  /// Elements, and the direction from the first to the second.
+  std::vector<std::array<std::size_t, 3>> Between;
+  bool Any = false;
+};
 
 /// What was known before about pairs of elements of which neither has changed.
 class Knowledge
@@ -174,21 +202,7 @@ public:
     {
       if (&pieceA != &pieceB)
       {
-        same = FindSameImage(a.Piece, pieceA.Centre(), b.Piece, pieceB.Centre(), areOne);
-        if (!same)
-        {
-          same = FindSameImage(b.Piece, pieceB.Centre(), a.Piece, pieceA.Centre(), areOne);
-          if (same)
-          {
-            std::swap(same->A, same->B);
-          }
-        }
-      }
-      // Patches of which the control points differ that much may overlap that much.
-      if (same && a.PatchId != b.PatchId &&
-        !(IsInside(a, same->A, this->Distance) && IsInside(b, same->B, this->Distance)))
-      {
-        same.reset();
+        same = this->FindSame(a, pieceA.Centre(), b, pieceB.Centre());
       }
       return same.has_value();
     };
@@ -216,6 +230,38 @@ public:
   std::optional<DoublePoint> Witness;
 
 private:
+  /// Two points with one image near two places where pieces could not be told apart, or from one of
+  /// these on inwards.
+  [[nodiscard]] std::optional<SameImage> FindSame(const ModelElement& a,
+    const std::array<double, 3>& atA, const ModelElement& b, const std::array<double, 3>& atB) const
+  {
+    for (const double inwards : { 0.0, 1e-4, 1e-3, 1e-2, 1e-1 })
+    {
+      for (const bool swapped : { false, true })
+      {
+        std::array<double, 3> start = swapped ? atB : atA;
+        for (double& t : start)
+        {
+          t += inwards * (0.5 - t);
+        }
+        auto same = swapped ? FindSameImage(b.Piece, start, a.Piece, atA, &a == &b)
+                            : FindSameImage(a.Piece, start, b.Piece, atB, &a == &b);
+        if (same && swapped)
+        {
+          std::swap(same->A, same->B);
+        }
+        // Patches of which the control points differ that much may overlap that much.
+        if (same &&
+          (LatticeOffset(a, b) ||
+            (IsInside(a, same->A, this->Distance) && IsInside(b, same->B, this->Distance))))
+        {
+          return same;
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
   [[nodiscard]] IntersectionTest::Subject SubjectOf(int number) const
   {
     const auto i = static_cast<std::size_t>(number);
@@ -306,10 +352,11 @@ Injectivity TestInjectivity(const MultiPatch& model, const std::vector<PatchVali
   {
     result.CollapsedElements += element.Collapsed != 0;
   }
-  if (HasBothSigns(elements, byElement))
+  const Folds folds(elements, byElement);
+  if (folds.AreThere())
   {
     result.Verdict = -1;
-    result.Witness = FindFold(elements, byElement);
+    result.Witness = folds.FindDoublePoint();
     return result;
   }
 

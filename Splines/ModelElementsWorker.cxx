@@ -5,6 +5,7 @@
 #include "Error.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <optional>
 #include <string>
 #include <utility>
@@ -57,7 +58,7 @@ ModelElement MakeElement(const Patch& patch, std::size_t number, std::array<int,
     const KnotVector& knots = geometry.Knots()[d];
     const int s = knots.Spans()[static_cast<std::size_t>(spans[d])];
     element.Low[d] = knots[s];
-    element.Size[d] = knots[s + 1] - knots[s];
+    element.High[d] = knots[s + 1];
   }
   Eigen::MatrixXd points;
   extractor.Extract(spans, points);
@@ -88,15 +89,44 @@ int CornersInCommon(const BezierPiece& a, const BezierPiece& b, double distance)
 
 std::array<double, 3> ModelElement::ToPatch(const std::array<double, 3>& parameters) const
 {
-  return { this->Low[0] + parameters[0] * this->Size[0],
-    this->Low[1] + parameters[1] * this->Size[1], this->Low[2] + parameters[2] * this->Size[2] };
+  std::array<double, 3> result;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    result[d] = this->Low[d] + parameters[d] * (this->High[d] - this->Low[d]);
+  }
+  return result;
 }
 
 std::array<double, 3> ModelElement::FromPatch(const std::array<double, 3>& parameters) const
 {
-  return { (parameters[0] - this->Low[0]) / this->Size[0],
-    (parameters[1] - this->Low[1]) / this->Size[1],
-    (parameters[2] - this->Low[2]) / this->Size[2] };
+  std::array<double, 3> result;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    result[d] = (parameters[d] - this->Low[d]) / (this->High[d] - this->Low[d]);
+  }
+  return result;
+}
+
+std::optional<std::array<int, 3>> LatticeOffset(const ModelElement& a, const ModelElement& b)
+{
+  if (a.PatchId != b.PatchId)
+  {
+    return std::nullopt;
+  }
+  std::array<int, 3> offset;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    offset[d] = b.Span[d] - a.Span[d];
+    const bool fits = offset[d] == 0 ? a.Low[d] == b.Low[d] && a.High[d] == b.High[d]
+      : offset[d] > 0                ? a.High[d] <= b.Low[d]
+                                     : b.High[d] <= a.Low[d];
+    const bool isApart = std::abs(offset[d]) == 1 && a.High[d] != b.Low[d] && b.High[d] != a.Low[d];
+    if (!fits || isApart)
+    {
+      return std::nullopt;
+    }
+  }
+  return offset;
 }
 
 std::vector<ModelElement> MakeElements(
@@ -136,17 +166,15 @@ std::vector<Contact> ContactsOf(const ModelElement& a, const ModelElement& b, do
 {
   std::optional<Contact> lattice;
   int expected = 0;
-  if (a.PatchId == b.PatchId)
+  if (const auto offset = LatticeOffset(a, b))
   {
-    std::array<int, 3> offset;
     expected = 1;
-    for (std::size_t d = 0; d < 3; ++d)
+    for (const int o : *offset)
     {
-      offset[d] = b.Span[d] - a.Span[d];
-      expected *= offset[d] == 0 ? 2 : 1;
+      expected *= o == 0 ? 2 : 1;
     }
     // An element has 8 corners in common with itself, and shares nothing across itself.
-    lattice = expected < 8 ? LatticeContact(offset) : std::nullopt;
+    lattice = expected < 8 ? LatticeContact(*offset) : std::nullopt;
     expected = expected == 8 || lattice ? expected : 0;
   }
   std::vector<Contact> contacts;

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace hyperpatch
@@ -25,7 +26,7 @@ struct ModelElement
   std::array<int, 3> Span;
   /// The box in the knots of the patch.
   std::array<double, 3> Low;
-  std::array<double, 3> Size;
+  std::array<double, 3> High;
   BezierPiece Piece;
   /// CollapsedEdges() of the element.
   unsigned Collapsed;
@@ -38,6 +39,11 @@ struct ModelElement
 /// \throws Error if a geometry is not a volume of three coordinates
 [[nodiscard]] std::vector<ModelElement> MakeElements(
   const MultiPatch& model, double distance, const ParallelFor& parallelFor);
+
+/// How many elements b lies after a in each direction, if both are of one patch. Parts of a patch
+/// are told by the knots at which they meet, because cells of a mesh may have one Id as well.
+[[nodiscard]] std::optional<std::array<int, 3>> LatticeOffset(
+  const ModelElement& a, const ModelElement& b);
 
 /// All contacts of two elements: that of neighbours in a patch, and those that control points tell.
 [[nodiscard]] std::vector<Contact> ContactsOf(

@@ -417,6 +417,43 @@ TEST(GlobalInjectivity, OnlyWhatAnEditReachesIsTestedAgain)
   EXPECT_EQ(second.Items.size(), second.Elements + second.Pairs);
 }
 
+TEST(GlobalInjectivity, CellsOfAMeshAreNoNeighboursByTheirNumbers)
+{
+  // Bezier hexahedra: one Id, spans in a row, each on [0, 1]^3, in any arrangement.
+  const auto mesh = [](const std::vector<Spline>& cells)
+  {
+    MultiPatch model = Model(cells);
+    for (std::size_t i = 0; i < cells.size(); ++i)
+    {
+      model.Patches[i].Id = 0;
+      model.Patches[i].FirstSpan = { static_cast<int>(i), 0, 0 };
+      model.Patches[i].WholeSpans = { static_cast<int>(cells.size()), 1, 1 };
+    }
+    return model;
+  };
+  const Spline first = Box({ 0, 0, 0 }, { 1, 1, 1 });
+  EXPECT_EQ(Tested(mesh({ first, Box({ 0, 1, 0 }, { 1, 2, 1 }) })).Verdict, 1);
+  EXPECT_EQ(Tested(mesh({ first, Box({ 0.5, 0, 0 }, { 1.5, 1, 1 }) })).Verdict, -1);
+  // Left-handed and right-handed cells may touch.
+  EXPECT_EQ(Tested(mesh({ first, Box({ 0, 0, 0 }, { 1, 1, -1 }) })).Verdict, 1);
+}
+
+TEST(GlobalInjectivity, PartsOfAPatchAreOnePatch)
+{
+  const Spline tube = RefineUniformly(models::QuarterTube(), { 2, 4, 2 });
+  const Patch whole{ 5, Aggregate(tube) };
+  MultiPatch parts;
+  parts.Patches.push_back(RestrictPatch(whole, { 0, 0, 0 }, { 2, 1, 2 }));
+  parts.Patches.push_back(RestrictPatch(whole, { 0, 1, 0 }, { 2, 4, 2 }));
+  EXPECT_EQ(Tested(parts).Verdict, 1);
+  // Cut at its fold, where the parts have different signs.
+  const Patch fold{ 5, Aggregate(InsertKnots(models::SweptHalfCylinder(), 0, { 0.5, 0.5, 0.5 })) };
+  MultiPatch halves;
+  halves.Patches.push_back(RestrictPatch(fold, { 0, 0, 0 }, { 1, 1, 1 }));
+  halves.Patches.push_back(RestrictPatch(fold, { 1, 0, 0 }, { 2, 1, 1 }));
+  EXPECT_EQ(Tested(halves).Verdict, -1);
+}
+
 TEST(GlobalInjectivity, RefusesWhatItCannotTest)
 {
   const MultiPatch model = Model({ Box({ 0, 0, 0 }, { 1, 1, 1 }) });
