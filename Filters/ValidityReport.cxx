@@ -92,7 +92,8 @@ void ValidityReport::Row::Merge(const Row& other)
   this->Degenerate += other.Degenerate;
   this->CondeTorres += other.CondeTorres;
   this->Form = std::max(this->Form, other.Form);
-  this->Handedness = this->Handedness != 0 ? this->Handedness : other.Handedness;
+  this->HasRightHanded = this->HasRightHanded || other.HasRightHanded;
+  this->HasLeftHanded = this->HasLeftHanded || other.HasLeftHanded;
   this->Tested += other.Tested;
   for (std::size_t b = 0; b < 6; ++b)
   {
@@ -101,12 +102,18 @@ void ValidityReport::Row::Merge(const Row& other)
   }
 }
 
+int ValidityReport::Row::Handedness() const
+{
+  return static_cast<int>(this->HasRightHanded) - static_cast<int>(this->HasLeftHanded);
+}
+
 void ValidityReport::Add(int patchId, const hyperpatch::PatchValidity& validity,
   std::optional<hyperpatch::CondeTorresForm> form, std::size_t passes)
 {
   Row row;
   row.Elements = validity.Elements.size();
-  row.Handedness = validity.Handedness;
+  row.HasRightHanded = validity.Handedness > 0;
+  row.HasLeftHanded = validity.Handedness < 0;
   row.Tested = validity.Tested;
   row.Form = form ? static_cast<int>(*form) : -1;
   row.CondeTorres = passes;
@@ -146,7 +153,7 @@ std::vector<double> ValidityReport::Pack() const
     }
     numbers.insert(numbers.end(),
       { static_cast<double>(id), static_cast<double>(row.Form),
-        static_cast<double>(row.Handedness) });
+        static_cast<double>(row.HasRightHanded), static_cast<double>(row.HasLeftHanded) });
     numbers.insert(numbers.end(), row.Bounds.begin(), row.Bounds.end());
   }
   return numbers;
@@ -168,8 +175,9 @@ ValidityReport ValidityReport::Unpack(const std::vector<double>& numbers)
     row.CondeTorres = count(5);
     row.Tested = count(6);
     row.Form = static_cast<int>(n[8]);
-    row.Handedness = static_cast<int>(n[9]);
-    std::copy_n(n + 10, 6, row.Bounds.begin());
+    row.HasRightHanded = n[9] != 0.0;
+    row.HasLeftHanded = n[10] != 0.0;
+    std::copy_n(n + 11, 6, row.Bounds.begin());
     report.Rows[static_cast<int>(n[7])].Merge(row);
   }
   return report;
@@ -224,22 +232,18 @@ ValidityReport::Row ValidityReport::All() const
   {
     all.Merge(row);
   }
-  for (const auto& [id, row] : this->Rows)
-  {
-    all.Handedness = row.Handedness == all.Handedness ? all.Handedness : 0;
-  }
   return all;
 }
 
 std::string ValidityReport::NoteOf(const Row& row)
 {
   std::vector<std::string> notes;
-  if (row.Handedness < 0 && row.Valid == row.Elements)
+  if (row.Handedness() < 0 && row.Valid == row.Elements)
   {
     notes.emplace_back("left-handed, det J < 0 everywhere: Reverse Direction of NURBS Refine makes "
                        "it right-handed");
   }
-  else if (row.Handedness < 0)
+  else if (row.Handedness() < 0)
   {
     notes.emplace_back("left-handed");
   }
@@ -263,11 +267,16 @@ std::vector<std::string> ValidityReport::NotesOfAll() const
 {
   std::vector<std::string> notes;
   const auto leftHanded = static_cast<std::size_t>(std::count_if(this->Rows.begin(),
-    this->Rows.end(), [](const auto& item) { return item.second.Handedness < 0; }));
+    this->Rows.end(), [](const auto& item) { return item.second.Handedness() < 0; }));
   if (leftHanded > 0 && leftHanded < this->Rows.size())
   {
     notes.push_back("patches of both handedness: " + std::to_string(leftHanded) + " of " +
       std::to_string(this->Rows.size()) + " are left-handed");
+  }
+  if (std::any_of(this->Rows.begin(), this->Rows.end(),
+        [](const auto& item) { return item.second.HasRightHanded && item.second.HasLeftHanded; }))
+  {
+    notes.emplace_back("patches or cells of one PatchId are of both handedness");
   }
   if (!this->Injectivity)
   {
@@ -330,7 +339,7 @@ void ValidityReport::Fill(vtkTable* table) const
   add("Invalid", [&](const Row& row) { return number(row.Invalid); });
   add("Undecided", [&](const Row& row) { return number(row.Undecided); });
   add("Degenerate", [&](const Row& row) { return number(row.Degenerate); });
-  add("Handedness", [&](const Row& row) { return row.Handedness; });
+  add("Handedness", [&](const Row& row) { return row.Handedness(); });
   for (std::size_t b = 0; b < 6; ++b)
   {
     std::vector<double> values;

@@ -54,16 +54,19 @@ private:
     std::size_t Degenerate = 0;
     std::size_t CondeTorres = 0;
     int Form = -1;
-    int Handedness = 0;
+    bool HasRightHanded = false;
+    bool HasLeftHanded = false;
     std::size_t Tested = 0;
     /// Enclosures of the least and greatest det J and of the least scaled Jacobian: low, high.
     std::array<double, 6> Bounds;
 
     Row();
     void Merge(const Row& other);
+    /// 1 or -1, 0 if there are both.
+    [[nodiscard]] int Handedness() const;
   };
   /// Numbers of a row, and of a share of injectivity.
-  static constexpr std::size_t Size = 16;
+  static constexpr std::size_t Size = 17;
   static constexpr std::size_t ShareSize = 18;
 
   [[nodiscard]] Row All() const;
