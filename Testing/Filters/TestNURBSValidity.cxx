@@ -323,6 +323,30 @@ TEST(NURBSValidity, ThreadsChangeNothing)
   EXPECT_EQ(many.Field("GloballyInjective"), one.Field("GloballyInjective"));
 }
 
+TEST(NURBSValidity, ManyPatchesThatTouchAreOneToOne)
+{
+  std::vector<Spline> boxes;
+  for (int i = 0; i < 100; ++i)
+  {
+    const Eigen::Vector3d low(i % 5, i / 5 % 5, i / 25);
+    boxes.push_back(models::BezierVolume({ 1, 1, 1 },
+      [&low](int u, int v, int w) -> Eigen::Vector3d { return low + Eigen::Vector3d(u, v, w); }));
+  }
+  Testee run(Model(boxes));
+  EXPECT_EQ(run.Entry("Valid", 100), 100);
+  EXPECT_EQ(run.Entry("CondeTorres", 100), 100);
+  EXPECT_EQ(run.Field("GloballyInjective"), 1);
+  // One moved into its neighbour.
+  boxes[42] = Moved(boxes[42], { 0.1, 0, 0 });
+  run.Take(Model(boxes));
+  EXPECT_EQ(run.Field("TestedElements"), 1);
+  EXPECT_EQ(run.Field("GloballyInjective"), -1);
+  // And back: double points are looked for anew.
+  boxes[42] = Moved(boxes[42], { -0.1, 0, 0 });
+  run.Take(Model(boxes));
+  EXPECT_EQ(run.Field("GloballyInjective"), 1);
+}
+
 TEST(NURBSValidity, EmptyInputGivesEmptyOutputAndSurfacesAWarning)
 {
   Testee empty(MultiPatch{});
