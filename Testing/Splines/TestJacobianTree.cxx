@@ -3,6 +3,7 @@
 
 #include "Error.h"
 #include "Evaluator.h"
+#include "JacobianComplexWorker.h"
 #include "JacobianTetrahedra.h"
 #include "Operators.h"
 #include "ScalarField.h"
@@ -363,6 +364,70 @@ TEST(JacobianTetrahedra, SplitHalfAFaceInThreeAsPrinted)
     }
   }
   EXPECT_GT(trees, 3);
+}
+
+TEST(JacobianTetrahedra, AsPrintedMoveCornersWithinLargerFaces)
+{
+  const JacobianTree tree(TurnedSweep(), Options(JacobianBound::Cones, 0.0, 300));
+  const JacobianComplex complex = MakeComplex(tree, CrackRepair::AsPrinted);
+  ASSERT_GT(complex.Interpolated.size(), 20u);
+  for (const JacobianComplex::Hanging& hanging : complex.Interpolated)
+  {
+    // The weights are the barycentric coordinates in the parameter domain.
+    std::array<double, 3> at{};
+    for (std::size_t i = 0; i < 3; ++i)
+    {
+      EXPECT_GE(hanging.Weights[i], 0.0);
+      const auto& corner = complex.Parameters[static_cast<std::size_t>(hanging.From[i])];
+      for (std::size_t d = 0; d < 3; ++d)
+      {
+        at[d] += hanging.Weights[i] * corner[d];
+      }
+    }
+    const auto& expected = complex.Parameters[static_cast<std::size_t>(hanging.Vertex)];
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      EXPECT_NEAR(at[d], expected[d], 1e-15);
+    }
+  }
+}
+
+TEST(JacobianTree, OfRationalCellsDiscardsNoZero)
+{
+  // Few splits of volumes with wild weights, which a bound that forgets the weights gets wrong.
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int empty = 0;
+  for (int run = 0; run < 6000; ++run)
+  {
+    const double noise = 0.05 + 0.05 * (run % 6);
+    const double spread = 0.1 + 0.3 * (run % 5);
+    const auto move = [&] { return noise * unit(random); };
+    Eigen::MatrixXd points(3, 8);
+    Eigen::VectorXd weights(8);
+    for (int i = 0; i < 8; ++i)
+    {
+      points.col(i) << i % 2 + move(), i / 2 % 2 + move(), i / 4 + move();
+      weights[i] = std::exp(spread * unit(random));
+    }
+    const KnotVector k = KnotVector::Uniform(1, 2);
+    const Spline s({ k, k, k }, points, weights);
+    const JacobianTree tree(s, Options(JacobianBound::ConesInThreeOrders, 0.0, 2));
+    if (!tree.Queue().empty())
+    {
+      continue;
+    }
+    ++empty;
+    const JacobianField field(s);
+    for (int i = 0; i < 125; ++i)
+    {
+      const std::array<double, 3> at{ i % 5 / 4.0, i / 5 % 5 / 4.0, i / 25 / 4.0 };
+      double value = 0.0;
+      field.Evaluate(1, at.data(), &value);
+      ASSERT_GT(value, 0.0) << "run " << run;
+    }
+  }
+  EXPECT_GT(empty, 20);
 }
 
 TEST(JacobianTetrahedra, TurnTowardsGrowingJ)
