@@ -378,7 +378,16 @@ MultiPatch ForEachSection(
       result.Interfaces.clear();
       result.Boundaries.clear();
     }
-    patch.Body = operation(patch.Body);
+    try
+    {
+      patch.Body = operation(patch.Body);
+    }
+    catch (const Error& error)
+    {
+      throw result.Patches.size() == 1
+        ? error
+        : Error("patch " + std::to_string(patch.Id) + ": " + error.what());
+    }
   }
   return result;
 }

@@ -376,6 +376,9 @@ TEST(Modelling, ModelsOfSectionsKeepTheirTopology)
   EXPECT_EQ(volumes.Boundaries[0].Sides, lines.Boundaries[0].Sides);
   EXPECT_EQ(volumes.Patches[1].Id, 7);
 
+  ExpectError([&] { (void)ForEachSection(volumes, extrude(Vector3d::UnitX())); },
+    "patch 4: a section has one or two directions");
+
   MultiPatch above = lines;
   for (Patch& patch : above.Patches)
   {
