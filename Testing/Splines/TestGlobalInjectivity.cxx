@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Error.h"
+#include "Evaluator.h"
 #include "GlobalInjectivity.h"
 #include "Operators.h"
 #include "Splines/Models.h"
 #include "Splines/ValidityModels.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 using namespace hyperpatch;
@@ -348,6 +350,104 @@ TEST(GlobalInjectivity, BentStripsAreCertifiedAndLoopsAreFound)
   const MultiPatch model = Model({ Strip(loop, 0.2) });
   EXPECT_EQ(Validity(model)[0].Elements[0].Verdict, 1);
   ExpectWitness(model, Tested(model));
+}
+
+TEST(GlobalInjectivity, RandomStripsAreOneToOneUnlessTheirMiddlesCross)
+{
+  // Strips of one element along random plane cubics, of which the middle is known densely.
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> coordinate(-1.0, 1.0);
+  int crossings = 0;
+  int certified = 0;
+  int undecided = 0;
+  for (int round = 0; round < 400; ++round)
+  {
+    std::vector<Eigen::Vector2d> curve(4);
+    for (Eigen::Vector2d& point : curve)
+    {
+      point = { coordinate(random), coordinate(random) };
+    }
+    const MultiPatch model = Model({ Strip(curve, 0.02) });
+    const Injectivity result = Tested(model);
+    // Segments of the middle that cross.
+    constexpr int N = 300;
+    std::vector<Eigen::Vector2d> middle;
+    for (int i = 0; i <= N; ++i)
+    {
+      middle.emplace_back(
+        model.Patches[0].Body.Geometry().Evaluate(static_cast<double>(i) / N, 0.5, 0.5).head<2>());
+    }
+    const auto side =
+      [](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c)
+    { return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x(); };
+    bool crosses = false;
+    for (std::size_t i = 0; i < N; ++i)
+    {
+      for (std::size_t j = i + 2; j < N; ++j)
+      {
+        crosses = crosses ||
+          (side(middle[i], middle[i + 1], middle[j]) *
+                side(middle[i], middle[i + 1], middle[j + 1]) <
+              0.0 &&
+            side(middle[j], middle[j + 1], middle[i]) *
+                side(middle[j], middle[j + 1], middle[i + 1]) <
+              0.0);
+      }
+    }
+    crossings += crosses;
+    certified += result.Verdict == 1;
+    undecided += result.Verdict == 0;
+    if (crosses)
+    {
+      EXPECT_EQ(result.Verdict, -1) << round;
+    }
+    if (result.Verdict == -1 && result.Witness)
+    {
+      ExpectWitness(model, result);
+    }
+  }
+  EXPECT_GT(crossings, 20);
+  EXPECT_GT(certified, 200);
+  EXPECT_LT(undecided, 5);
+}
+
+TEST(GlobalInjectivity, NoCertificateIsContradictedBySearch)
+{
+  // From random starts Newton's iteration finds no second point with the image of a first one.
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::uniform_real_distribution<double> move(-0.5, 0.5);
+  int certified = 0;
+  for (int round = 0; round < 300; ++round)
+  {
+    const Spline cell = models::BezierVolume({ 2, 2, 2 },
+      [&](int i, int j, int k)
+      { return Eigen::Vector3d(i + move(random), j + move(random), k + move(random)); });
+    if (Tested({ cell }).Verdict != 1)
+    {
+      continue;
+    }
+    ++certified;
+    const Evaluator evaluator(cell);
+    for (int search = 0; search < 100; ++search)
+    {
+      const Eigen::Vector3d x(unit(random), unit(random), unit(random));
+      Eigen::Vector3d y(unit(random), unit(random), unit(random));
+      const Eigen::Vector3d image = cell.Evaluate(x[0], x[1], x[2]);
+      Eigen::Vector3d value;
+      for (int iteration = 0; iteration < 20; ++iteration)
+      {
+        Eigen::Matrix3d j;
+        evaluator.EvaluateWithDerivatives(1, y.data(), value.data(), j.data());
+        y = (y + j.partialPivLu().solve(image - value)).cwiseMax(0.0).cwiseMin(1.0);
+      }
+      if ((value - image).norm() < 1e-12)
+      {
+        EXPECT_LT((x - y).norm(), 1e-6) << round;
+      }
+    }
+  }
+  EXPECT_GT(certified, 50);
 }
 
 TEST(GlobalInjectivity, ABudgetThatIsTooSmallLeavesItUndecided)
