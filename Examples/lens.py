@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Models a lens whose index of refraction varies with the radius (Martin and Cohen, 2001, Figure 1):
-a line with an attribute curve is revolved to a disk, and the disk extruded to a volume. Writes the
-disk, the volume and two isosurfaces of the index (.vtp), and a picture of them, into a folder.
+"""Models a lens whose index of refraction varies with the radius (Martin and Cohen, 2001, Figure
+1): a line with an attribute curve is revolved to a disk, and the disk extruded to a volume. Writes
+the disk, the volume and two isosurfaces of the index (.vtp), and a picture of them, into a folder.
 
     PV_PLUGIN_PATH=<prefix>/lib/paraview-5.11/plugins pvpython Examples/lens.py FOLDER \\
         [--state FILE.pvsm]
