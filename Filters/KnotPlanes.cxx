@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "KnotPlanes.h"
 
+#include "ModelExchange.h"
 #include "Operators.h"
 
 #include <algorithm>
-#include <optional>
-#include <utility>
 
 namespace
 {
@@ -28,70 +27,6 @@ Spline LayerOf(const Spline& spline, std::size_t direction, int at)
   return hyperpatch::RestrictToSpans(spline, begin, end);
 }
 
-/// A layer of spans above the begin of a part of a patch, as another rank sees it.
-struct Layer
-{
-  int PatchId;
-  std::size_t Direction;
-  std::array<int, 3> FirstSpan;
-  Spline Geometry;
-};
-
-void Write(const Layer& layer, std::vector<double>& records)
-{
-  const auto add = [&records](double value) { records.push_back(value); };
-  add(layer.PatchId);
-  add(static_cast<double>(layer.Direction));
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    add(layer.FirstSpan[d]);
-    add(layer.Geometry.Knots()[d].Degree());
-    add(static_cast<double>(layer.Geometry.Knots()[d].Knots().size()));
-  }
-  add(layer.Geometry.IsRational() ? 1.0 : 0.0);
-  for (const KnotVector& knots : layer.Geometry.Knots())
-  {
-    records.insert(records.end(), knots.Knots().begin(), knots.Knots().end());
-  }
-  const auto append = [&records](const auto& matrix)
-  { records.insert(records.end(), matrix.data(), matrix.data() + matrix.size()); };
-  append(layer.Geometry.Coefficients());
-  append(layer.Geometry.Weights());
-}
-
-Layer Read(const std::vector<double>& records, std::size_t& at)
-{
-  const auto next = [&records, &at]() { return records[at++]; };
-  const auto nextInteger = [&next]() { return static_cast<int>(next()); };
-  const int patchId = nextInteger();
-  const int direction = nextInteger();
-  std::array<int, 3> firstSpan{};
-  std::array<int, 3> degrees{};
-  std::array<int, 3> lengths{};
-  Eigen::Index points = 1;
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    firstSpan[d] = nextInteger();
-    degrees[d] = nextInteger();
-    lengths[d] = nextInteger();
-    points *= lengths[d] - degrees[d] - 1;
-  }
-  const bool rational = next() != 0.0;
-  std::array<KnotVector, 3> knots;
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    std::vector<double> values(static_cast<std::size_t>(lengths[d]));
-    std::generate(values.begin(), values.end(), next);
-    knots[d] = KnotVector(degrees[d], std::move(values), hyperpatch::Smoothness::Discontinuous);
-  }
-  Eigen::MatrixXd coefficients(3, points);
-  std::generate_n(coefficients.data(), coefficients.size(), next);
-  Eigen::VectorXd weights(rational ? points : 0);
-  std::generate_n(weights.data(), weights.size(), next);
-  return { patchId, static_cast<std::size_t>(direction), firstSpan,
-    Spline(std::move(knots), std::move(coefficients), std::move(weights)) };
-}
-
 bool IsVolume(const Patch& patch)
 {
   return patch.Body.Geometry().Dimension() == 3 && patch.Body.Geometry().Components() == 3;
@@ -111,22 +46,53 @@ Spline Overlap(const Spline& layer, const std::array<int, 3>& firstSpan,
   return hyperpatch::RestrictToSpans(layer, low, high);
 }
 
+/// The plane between the end of a part of a patch and a layer, where they have one in common.
+void AddCommonPart(
+  const Patch& patch, const Patch& above, std::size_t direction, std::vector<KnotPlane>& planes)
+{
+  const Spline& geometry = patch.Body.Geometry();
+  std::array<int, 3> begin{};
+  std::array<int, 3> end{};
+  bool meet = true;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const auto own = static_cast<int>(geometry.Knots()[d].Spans().size());
+    const auto other = static_cast<int>(above.Body.Geometry().Knots()[d].Spans().size());
+    begin[d] = std::max(patch.FirstSpan[d], above.FirstSpan[d]);
+    end[d] = std::min(patch.FirstSpan[d] + own, above.FirstSpan[d] + other);
+    meet =
+      meet && (d == direction ? patch.FirstSpan[d] + own == above.FirstSpan[d] : begin[d] < end[d]);
+  }
+  if (!meet)
+  {
+    return;
+  }
+  const auto last = static_cast<int>(geometry.Knots()[direction].Spans().size()) - 1;
+  std::array<int, 3> first = begin;
+  first[direction] = patch.FirstSpan[direction] + last;
+  planes.push_back(
+    { &patch, Overlap(LayerOf(geometry, direction, last), patch.FirstSpan, begin, end, direction),
+      Overlap(above.Body.Geometry(), above.FirstSpan, begin, end, direction),
+      static_cast<int>(direction), first, {} });
+}
+
 }
 
 std::vector<KnotPlane> FindKnotPlanes(const hyperpatch::MultiPatch& model,
   const std::function<std::vector<double>(const std::vector<double>&)>& allGather)
 {
   std::vector<KnotPlane> planes;
-  std::vector<double> records;
-  for (const Patch& patch : model.Patches)
+  for (std::size_t d = 0; d < 3; ++d)
   {
-    const Spline& geometry = patch.Body.Geometry();
-    if (!IsVolume(patch))
+    // Layers above the begin of parts of patches, which other ranks may have the lower side of.
+    hyperpatch::MultiPatch layers;
+    for (const Patch& patch : model.Patches)
     {
-      continue;
-    }
-    for (std::size_t d = 0; d < 3; ++d)
-    {
+      if (!IsVolume(patch))
+      {
+        continue;
+      }
+      const Spline& geometry = patch.Body.Geometry();
       const KnotVector& knots = geometry.Knots()[d];
       const std::vector<double> breaks = knots.Breaks();
       for (const double crease : knots.Creases())
@@ -141,44 +107,21 @@ std::vector<KnotPlane> FindKnotPlanes(const hyperpatch::MultiPatch& model,
       // The knots of a part go on beyond its cuts, so that a crease there still shows.
       if (!patch.IsDomainFace[2 * d] && knots.Multiplicity(knots.First()) >= knots.Degree())
       {
-        Write({ patch.Id, d, patch.FirstSpan, LayerOf(geometry, d, 0) }, records);
+        layers.Patches.push_back(
+          { patch.Id, hyperpatch::Aggregate(LayerOf(geometry, d, 0)), patch.FirstSpan });
       }
     }
-  }
-  records = allGather(records);
-  for (std::size_t at = 0; at < records.size();)
-  {
-    const Layer above = Read(records, at);
-    const std::size_t d = above.Direction;
-    for (const Patch& patch : model.Patches)
+    const hyperpatch::MultiPatch everywhere =
+      ModelExchange::UnpackModel(allGather(ModelExchange::Pack(layers)));
+    for (const Patch& above : everywhere.Patches)
     {
-      const Spline& geometry = patch.Body.Geometry();
-      if (patch.Id != above.PatchId || !IsVolume(patch) || patch.IsDomainFace[2 * d + 1])
+      for (const Patch& patch : model.Patches)
       {
-        continue;
+        if (patch.Id == above.Id && IsVolume(patch) && !patch.IsDomainFace[2 * d + 1])
+        {
+          AddCommonPart(patch, above, d, planes);
+        }
       }
-      std::array<int, 3> begin{};
-      std::array<int, 3> end{};
-      bool meet = true;
-      for (std::size_t e = 0; e < 3; ++e)
-      {
-        const auto own = static_cast<int>(geometry.Knots()[e].Spans().size());
-        const auto other = static_cast<int>(above.Geometry.Knots()[e].Spans().size());
-        begin[e] = std::max(patch.FirstSpan[e], above.FirstSpan[e]);
-        end[e] = std::min(patch.FirstSpan[e] + own, above.FirstSpan[e] + other);
-        meet =
-          meet && (e == d ? patch.FirstSpan[e] + own == above.FirstSpan[e] : begin[e] < end[e]);
-      }
-      if (!meet)
-      {
-        continue;
-      }
-      const auto last = static_cast<int>(geometry.Knots()[d].Spans().size()) - 1;
-      std::array<int, 3> first = begin;
-      first[d] = patch.FirstSpan[d] + last;
-      planes.push_back({ &patch,
-        Overlap(LayerOf(geometry, d, last), patch.FirstSpan, begin, end, d),
-        Overlap(above.Geometry, above.FirstSpan, begin, end, d), static_cast<int>(d), first, {} });
     }
   }
   return planes;
