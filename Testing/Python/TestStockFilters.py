@@ -83,6 +83,37 @@ class StockFilters(unittest.TestCase):
             display = s.Show(proxy, view)
             self.assertEqual(display.Representation, 'Surface', proxy.GetXMLName())
 
+    def test_colours_of_their_outputs_span_the_coefficients_and_so_the_values(self):
+        view = common.view()
+        self.addCleanup(simple.Delete, view)
+        outputs = {'Temperature': simple.Transform(Input=self.model),
+                   'Result': simple.Calculator(Input=self.model, Function='3*Temperature')}
+        for name, proxy in outputs.items():
+            display = simple.Show(proxy, view)
+            simple.ColorBy(display, ('POINTS', name))
+            display.RescaleTransferFunctionToDataRange(False, True)
+            simple.Render(view)
+            colors = simple.GetColorTransferFunction(name).RGBPoints
+            self.assertEqual((colors[0], colors[-4]), proxy.PointData[name].GetRange())
+            drawn = display.SMProxy.GetRepresentedDataInformation().GetArrayInformation(
+                name, 0).GetComponentRange(0)
+            self.assertTrue(colors[0] <= drawn[0] and drawn[1] <= colors[-4], name)
+            simple.Hide(proxy, view)
+
+    def test_slice_cuts_the_lattice_and_says_nothing(self):
+        stock = simple.Slice(Input=self.model)
+        stock.SliceType.Origin = common.ORIGIN
+        stock.SliceType.Normal = [0, 1, 0]
+        with common.messages() as texts:
+            stock.UpdatePipeline()
+        self.assertEqual(texts, [])
+        information = stock.GetDataInformation()
+        self.assertGreater(information.GetNumberOfCells(), 0)
+        # Control points are off the solid, so the bounds of the two cuts differ.
+        exact = cut(self.model).GetBounds()
+        differences = [abs(a - b) for a, b in zip(information.GetBounds(), exact)]
+        self.assertGreater(max(differences), 0.1)
+
     def test_a_changed_lattice_gives_one_error_and_no_output(self):
         s, model = simple, self.model
         subset = s.ExtractSubset(Input=model)

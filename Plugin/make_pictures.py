@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Renders the pictures of the help pages in Documentation/, each named after its proxy.
+
+    PV_PLUGIN_PATH=<build>/lib/paraview-5.11/plugins xvfb-run -a pvpython Plugin/make_pictures.py
+"""
+import os
+import sys
+
+from paraview import simple as s
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+FOLDER = os.path.join(HERE, 'Documentation')
+DATA = os.path.join(HERE, '..', 'Data')
+if not hasattr(s, 'NURBSSlice'):
+    sys.exit('The plugin is not loaded: set PV_PLUGIN_PATH to the folder that has Hyperpatch in it')
+
+s.LoadPalette('WhiteBackground')
+view = s.CreateView('RenderView')
+view.ViewSize = [420, 260]
+view.OrientationAxesVisibility = 0
+pipe = s.OpenDataFile(os.path.join(DATA, 'heated_pipe_bend.vtpc'))
+tube = s.OpenDataFile(os.path.join(DATA, 'tube_on_block.xml'))
+colors = s.GetColorTransferFunction('Temperature')
+colors.ApplyPreset('Fast', True)
+
+
+def show(proxy, **properties):
+    """Shows it in the colours of Temperature where it has that."""
+    proxy.UpdatePipeline()
+    display = s.Show(proxy, view, Ambient=0.15, **properties)
+    name = 'Temperature' if proxy.PointData['Temperature'] else None
+    s.ColorBy(display, ('POINTS', name))
+    if not name:
+        display.DiffuseColor = display.AmbientColor = [0.45, 0.62, 0.8]
+    colors.RescaleTransferFunction(20, 220)
+    return display
+
+
+def glass(model):
+    """Shows a model around what is inside."""
+    s.ColorBy(s.Show(model, view, Representation='NURBS Solid', Opacity=0.15), ('POINTS', None))
+
+
+def save(name, toward=(-2.0, -1.2, 1.6)):
+    view.CameraPosition = toward
+    view.CameraFocalPoint = [0, 0, 0]
+    view.CameraViewUp = [0, 0, 1]
+    s.Render(view)
+    view.ResetCamera(True)
+    view.GetActiveCamera().Dolly(1.4)
+    s.SaveScreenshot(os.path.join(FOLDER, name + '.png'), view, CompressionLevel='9')
+    for source in s.GetSources().values():
+        s.Hide(source, view)
+
+
+show(pipe, Representation='NURBS Solid With Edges', EdgeColor=[0, 0, 0.2], LineWidth=1.5)
+save('BSplineReader')
+
+show(s.NURBSTessellate(Input=pipe, Tolerance=0.01), Representation='Surface With Edges')
+save('NURBSTessellate')
+
+for x in (0.6, 1.5, 2.4):
+    cut = s.NURBSSlice(Input=pipe)
+    cut.SliceType.Origin = [x, 1.5, 0]
+    cut.SliceType.Normal = [1, 0, 0]
+    show(cut)
+glass(pipe)
+save('NURBSSlice')
+
+show(s.NURBSContour(Input=pipe, ContourBy=['POINTS', 'Temperature'],
+                    Isosurfaces=[60, 100, 140, 180]), Opacity=0.7)
+glass(pipe)
+save('NURBSContour')
+
+show(s.NURBSJacobianBoundary(Input=pipe, Faces=0))
+show(s.NURBSJacobianBoundary(Input=pipe, Sheet=0), Opacity=0.15)
+save('NURBSJacobianBoundary')
+
+show(s.NURBSExtractPatches(Input=tube, PatchIds=[1]), Representation='NURBS Solid With Edges',
+     EdgeColor=[0, 0, 0.2], LineWidth=1.5)
+glass(s.NURBSExtractPatches(Input=tube, PatchIds=[0]))
+save('NURBSExtractPatches')
