@@ -8,7 +8,6 @@
 
 #include <Eigen/Core>
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -24,13 +23,9 @@ struct ZeroSetOptions
   /// Largest difference, per component, between linear interpolation in a cell and the exact value;
   /// one number per attribute of the patch, 0 where it does not matter, or empty.
   std::vector<double> AttributeTolerances;
-  /// Cells wider than this whose bounds leave open whether f vanishes in them are refined, narrower
-  /// ones are counted as undecided. 0: 16 times the tolerance.
-  double FeatureSize = 0.0;
-  /// A knot span is divided at most into so many cells in each direction.
-  int MaximumSubdivision = 256;
-  /// No refinement that would give about more crossed cells than this.
-  double MaximumCells = 1e6;
+  /// No more than about so many undecided cells are refined further, and so many cells of the mesh
+  /// are made.
+  double MaximumCells = 2e7;
   /// +1 or -1: the sign of det J of the patch, which orients normals and cells.
   int Handedness = 1;
   ParallelFor For = SerialFor;
@@ -41,11 +36,15 @@ struct ZeroSetOptions
 /// What is known, and what is not, about a zero-set mesh.
 struct ZeroSetCertificate
 {
-  std::int64_t CrossedCells = 0;   ///< cells that hold a piece of the mesh
-  std::int64_t UndecidedCells = 0; ///< no sign change at corners, yet bounds do not exclude a zero;
-                                   ///< or f has no bounds
-  double LargestResidual = 0.0;    ///< of |f| at vertices over the largest |f| at cell corners
-  double LargestError = 0.0;       ///< physical distance, measured at midpoints of edges and cells
+  /// Parameter boxes that hold a piece of the mesh and in which the gradient test proves that the
+  /// zero set is one sheet, a graph over a coordinate plane.
+  std::int64_t CertifiedCells = 0;
+  /// Parameter boxes, no wider than the tolerance unless a maximum stopped refinement, in which a
+  /// zero can neither be excluded nor proven to be a simple sheet; all boxes where f has no bounds.
+  std::int64_t UndecidedCells = 0;
+  std::int64_t Failed = 0;
+  double LargestResidual = 0.0;       ///< of |f| at vertices over the largest |f| at box corners
+  double LargestError = 0.0;          ///< physical distance, measured inside every cell
   double LargestAttributeError = 0.0; ///< as a multiple of its tolerance
   bool ToleranceReached = true;       ///< false where a maximum stopped refinement
 
@@ -54,6 +53,9 @@ struct ZeroSetCertificate
 };
 
 /// A zero set as a mesh: triangles in a volume, segments in a surface, points on a curve.
+///
+/// Along creases (knot planes where the geometry, the field or an attribute is only C0) points
+/// occur once per side, with the same bits in their coordinates and the normal of their side.
 struct ZeroSetMesh
 {
   Eigen::Matrix3Xd Parameters;             ///< in the patch's own knots
@@ -63,32 +65,21 @@ struct ZeroSetMesh
   /// axes x cells (3, 2 or 1 rows) of point indices; they turn counter-clockwise around the
   /// normals.
   Eigen::Matrix<std::int64_t, Eigen::Dynamic, Eigen::Dynamic> Cells;
-  /// Per cell, the non-empty knot span of the geometry in each direction, counted from 0.
+  /// Per cell, the non-empty knot span of the geometry in each direction, counted from 0, that
+  /// holds its centre.
   Eigen::Matrix3Xi Elements;
 };
 
-/// The grid of cells that a zero set is extracted on: every interval between two breaks is divided
-/// into `Counts` equal parts. The same counts on both sides of a break plane, patch interface or
-/// cut between pieces leave no crack.
-struct CellGrid
-{
-  std::array<std::vector<double>, 3> Breaks; ///< of geometry, field and attributes together
-  std::array<std::vector<int>, 3> Counts;    ///< one per interval
-};
-
-/// The zero set of a field on one patch.
+/// The zero set of a field on one patch, to a tolerance.
 ///
-/// Extract() works on the current grid: boxes that the convex hull property excludes are dropped by
-/// bisection down to single cells; the others are polygonised from the signs at their corners, with
-/// vertices on f = 0 to round-off, found on the edges of cells. It then measures the error of the
-/// mesh and asks for the counts that would meet the tolerances. The caller repeats (and, where a
-/// patch is spread over processes, takes the larger counts of all) until nothing more is wanted:
-///
-///   ZeroSet zeroSet(patch.Body, field, options);
-///   while (zeroSet.Extract() && zeroSet.Refine()) {}
-///
-/// Cost is proportional to the number of spans (a cheap hull test each) plus the cells near the
-/// surface.
+/// An octree of parameter boxes is refined until, on each leaf, the hull of f excludes a zero or
+/// that of its gradient proves one sheet (Plantinga & Vegter 2004: no two gradients in the box are
+/// at a right angle); on faces of the domain and on creases the same holds for the restriction of f
+/// to them. Leaves may hold many knot spans or a small part of one. The sheet meets the faces
+/// between leaves in curves that both sides share; inside its leaf it is meshed by a constrained
+/// Delaunay triangulation in the metric of its curvature and of the attributes. Vertices are on
+/// f = 0 to round-off, the error of each cell is measured, and cells that miss the tolerance get
+/// more vertices.
 class ZeroSet
 {
 public:
@@ -98,13 +89,6 @@ public:
   ZeroSet(std::shared_ptr<const PreparedAggregate> body, const ScalarField& field,
     ZeroSetOptions options);
   ~ZeroSet();
-
-  /// The grid of the next extraction.
-  [[nodiscard]] const CellGrid& Grid() const;
-  /// After Extract(): the counts wanted next. Equal to Grid().Counts where all is well.
-  [[nodiscard]] std::array<std::vector<int>, 3>& Wanted();
-  /// Makes the wanted counts the grid's. False where they are already.
-  bool Refine();
 
   /// False if aborted.
   bool Extract();
