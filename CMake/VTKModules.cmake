@@ -8,6 +8,7 @@ set(hyperpatch_vtk_components
   CommonCore
   CommonDataModel
   CommonExecutionModel
+  CommonMisc
   CommonTransforms
   FiltersCore
   FiltersGeneral

@@ -5,6 +5,7 @@
 #include "Evaluator.h"
 #include "Measures.h"
 #include "Operators.h"
+#include "Reparametrise.h"
 
 #include "vtkCellData.h"
 #include "vtkCellType.h"
@@ -143,8 +144,8 @@ std::vector<vtkDataObject*> Leaves(vtkDataObject* data)
 /// What an upstream filter has done to a lattice, as the user should hear it.
 Error ChangedLattice(const std::string& details)
 {
-  return Error(
-    "the control lattice was changed by an upstream filter (" + details + "): use NURBS Refine");
+  return Error("the control lattice was changed by an upstream filter (" + details +
+    "): use NURBS Refine in its place");
 }
 
 Layout ReadLayout(vtkDataObject* grid)
@@ -281,7 +282,16 @@ Lattice ReadLattice(vtkStructuredGrid* grid)
   return { layout, std::move(points), std::move(arrays) };
 }
 
-Patch MakePatch(Lattice&& geometry, std::vector<Lattice*> others)
+Spline OnUnitCube(Spline spline)
+{
+  for (int d = 0; d < 3; ++d)
+  {
+    spline = ScaleDomain(spline, d);
+  }
+  return spline;
+}
+
+Patch MakePatch(Lattice&& geometry, std::vector<Lattice*> others, Domains domains)
 {
   // An array of a geometry grid goes before one of the same name in another basis: filters such as
   // Elevation write to all grids, and only what they write to the geometry is about its points.
@@ -295,6 +305,14 @@ Patch MakePatch(Lattice&& geometry, std::vector<Lattice*> others)
       {
         attributes.push_back(std::move(attribute));
       }
+    }
+  }
+  if (domains == Domains::Normalised)
+  {
+    geometry.Points = OnUnitCube(std::move(geometry.Points));
+    for (Attribute& attribute : attributes)
+    {
+      attribute.Field = OnUnitCube(std::move(attribute.Field));
     }
   }
   const Layout& layout = geometry.Header;
@@ -560,9 +578,19 @@ vtkSmartPointer<vtkDoubleArray> MakeArray(const char* name, const Eigen::MatrixX
   return array;
 }
 
-/// A lattice without its attributes. `points` are 1 to 3 x n.
+/// Points of 1 to 3 coordinates, those that are not there 0.
+vtkSmartPointer<vtkPoints> MakePoints(const Eigen::MatrixXd& columns)
+{
+  auto points = vtkSmartPointer<vtkPoints>::New();
+  Eigen::MatrixXd inSpace = Eigen::MatrixXd::Zero(3, columns.cols());
+  inSpace.topRows(columns.rows()) = columns;
+  points->SetData(MakeArray("Points", inSpace));
+  return points;
+}
+
+/// A lattice without its attributes.
 vtkSmartPointer<vtkStructuredGrid> MakeGrid(
-  const Patch& patch, int role, const Spline& basis, const Eigen::MatrixXd& points)
+  const Patch& patch, int role, const Spline& basis, vtkPoints* points)
 {
   Layout layout;
   layout.Role = role;
@@ -581,13 +609,9 @@ vtkSmartPointer<vtkStructuredGrid> MakeGrid(
     layout.RelativeHandedness = patch.WholeHandedness * Handedness(patch.Body.Geometry());
   }
 
-  Eigen::MatrixXd inSpace = Eigen::MatrixXd::Zero(3, points.cols());
-  inSpace.topRows(points.rows()) = points;
-  vtkNew<vtkPoints> vtkpoints;
-  vtkpoints->SetData(MakeArray("Points", inSpace));
   auto grid = vtkSmartPointer<vtkStructuredGrid>::New();
   grid->SetDimensions(layout.Dimensions.data());
-  grid->SetPoints(vtkpoints);
+  grid->SetPoints(points);
   if (basis.IsRational())
   {
     grid->GetPointData()->AddArray(MakeArray(WeightName, basis.Weights().transpose()));
@@ -614,7 +638,7 @@ vtkSmartPointer<vtkStructuredGrid> MakeGrid(
 }
 
 /// Greville points of a basis, mapped through the geometry.
-Eigen::MatrixXd GrevillePoints(const Spline& geometry, const Spline& basis)
+vtkSmartPointer<vtkPoints> GrevillePoints(const Spline& geometry, const Spline& basis)
 {
   std::array<std::vector<double>, 3> parameters;
   for (int d = 0; d < 3; ++d)
@@ -627,8 +651,20 @@ Eigen::MatrixXd GrevillePoints(const Spline& geometry, const Spline& basis)
         std::clamp(knots.Greville(i), knots.First(), knots.Last()));
     }
   }
-  Eigen::MatrixXd points(geometry.Components(), basis.NumberOfControlPoints());
-  Evaluator(geometry).EvaluateGrid(parameters, points.data());
+  if (geometry.Components() < 3)
+  {
+    Eigen::MatrixXd points(geometry.Components(), basis.NumberOfControlPoints());
+    Evaluator(geometry).EvaluateGrid(parameters, points.data());
+    return MakePoints(points);
+  }
+  // There may be as many as voxels of an image: no copies.
+  vtkNew<vtkDoubleArray> array;
+  array->SetName("Points");
+  array->SetNumberOfComponents(3);
+  array->SetNumberOfTuples(basis.NumberOfControlPoints());
+  Evaluator(geometry).EvaluateGrid(parameters, array->GetPointer(0));
+  auto points = vtkSmartPointer<vtkPoints>::New();
+  points->SetData(array);
   return points;
 }
 
@@ -676,7 +712,7 @@ bool IsSplineData(vtkDataObject* data)
     { return IsBezierGrid(leaf) || (vtkStructuredGrid::SafeDownCast(leaf) && HasLayout(leaf)); });
 }
 
-MultiPatch FromVTK(vtkDataObject* data)
+MultiPatch FromVTK(vtkDataObject* data, Domains domains)
 {
   MultiPatch model;
   std::vector<Lattice> geometries;
@@ -741,7 +777,7 @@ MultiPatch FromVTK(vtkDataObject* data)
         others.push_back(&other);
       }
     }
-    model.Patches.push_back(MakePatch(std::move(geometry), others));
+    model.Patches.push_back(MakePatch(std::move(geometry), others, domains));
   }
   if (data && data->GetFieldData())
   {
@@ -790,8 +826,23 @@ void ToVTK(const MultiPatch& model, vtkPartitionedDataSetCollection* output,
   for (const Patch& patch : model.Patches)
   {
     const Spline& geometry = patch.Body.Geometry();
-    const auto grid = MakeGrid(patch, Layout::Geometry, geometry, geometry.Coefficients());
+    const auto grid =
+      MakeGrid(patch, Layout::Geometry, geometry, MakePoints(geometry.Coefficients()));
     append(0, grid);
+    // Attributes in one basis have their points in common.
+    std::vector<std::pair<const Spline*, vtkSmartPointer<vtkPoints>>> made;
+    const auto pointsOf = [&](const Spline& field) -> vtkPoints*
+    {
+      for (const auto& [basis, points] : made)
+      {
+        if (basis->Knots() == field.Knots())
+        {
+          return points;
+        }
+      }
+      made.emplace_back(&field, GrevillePoints(geometry, field));
+      return made.back().second;
+    };
     for (const Attribute& attribute : patch.Body.Attributes())
     {
       const auto values = MakeArray(attribute.Name.c_str(), attribute.Field.Coefficients());
@@ -804,8 +855,8 @@ void ToVTK(const MultiPatch& model, vtkPartitionedDataSetCollection* output,
         grid->GetPointData()->AddArray(values);
         continue;
       }
-      const auto lattice = MakeGrid(
-        patch, Layout::Attribute, attribute.Field, GrevillePoints(geometry, attribute.Field));
+      const auto lattice =
+        MakeGrid(patch, Layout::Attribute, attribute.Field, pointsOf(attribute.Field));
       lattice->GetPointData()->AddArray(values);
       const auto found = std::lower_bound(own.begin(), own.end(), attribute.Name);
       append(1 + static_cast<std::size_t>(found - own.begin()), lattice);

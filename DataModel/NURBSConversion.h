@@ -43,6 +43,14 @@ namespace hyperpatch
 /// FromVTK() is for, though it may still refuse it. Costs nothing but a look at the leaves.
 [[nodiscard]] VTKNURBSDATAMODEL_EXPORT bool IsSplineData(vtkDataObject* data);
 
+/// What becomes of the parameter domains in FromVTK().
+enum class Domains
+{
+  Kept,
+  Normalised ///< all scaled to [0, 1], those of attributes that do not agree with the geometry's
+             ///< too
+};
+
 /// The model in a data object, copied.
 ///
 /// \param data a collection as above; any other composite of such grids; a bare vtkStructuredGrid
@@ -57,7 +65,8 @@ namespace hyperpatch
 ///
 /// \throws Error if the data is none of these, if an upstream filter has changed a lattice or
 /// dropped its weights, and where the constructors of Spline and Aggregate throw.
-[[nodiscard]] VTKNURBSDATAMODEL_EXPORT MultiPatch FromVTK(vtkDataObject* data);
+[[nodiscard]] VTKNURBSDATAMODEL_EXPORT MultiPatch FromVTK(
+  vtkDataObject* data, Domains domains = Domains::Kept);
 
 /// Fills a collection with a model; FromVTK() gives the same model back, bit by bit, but for
 /// geometries of 1 or 2 components, whose missing coordinates become 0.

@@ -134,11 +134,23 @@ const hyperpatch::MultiPatch& vtkNURBSAlgorithm::Convert(vtkDataObject* input)
 int vtkNURBSAlgorithm::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  vtkDataObject* input = vtkDataObject::GetData(inputVector[0]);
+  // A source has no input.
+  vtkDataObject* input =
+    this->GetNumberOfInputPorts() > 0 ? vtkDataObject::GetData(inputVector[0]) : nullptr;
   vtkDataObject* output = vtkDataObject::GetData(outputVector);
   bool good = false;
   OnAllCores([&] { good = this->Run(input, output); });
   return good ? 1 : 0;
+}
+
+bool vtkNURBSAlgorithm::HasWork(vtkDataObject* input)
+{
+  return !this->Convert(input).Patches.empty();
+}
+
+void vtkNURBSAlgorithm::ExecuteInput(vtkDataObject* input, vtkDataObject* output)
+{
+  this->Execute(this->Convert(input), output);
 }
 
 bool vtkNURBSAlgorithm::Run(vtkDataObject* input, vtkDataObject* output)
@@ -172,9 +184,9 @@ bool vtkNURBSAlgorithm::Run(vtkDataObject* input, vtkDataObject* output)
     return first == INFINITY;
   };
 
-  const hyperpatch::MultiPatch* model = nullptr;
-  bool good = attempt([&] { model = &this->Convert(input); });
-  if (good && this->AnyRank(!model->Patches.empty()))
+  bool work = false;
+  bool good = attempt([&] { work = this->HasWork(input); });
+  if (good && this->AnyRank(work))
   {
     bool cancelled = false;
     good = attempt(
@@ -182,7 +194,7 @@ bool vtkNURBSAlgorithm::Run(vtkDataObject* input, vtkDataObject* output)
       {
         try
         {
-          this->Execute(*model, output);
+          this->ExecuteInput(input, output);
         }
         catch (const Cancelled&)
         {

@@ -72,6 +72,16 @@ protected:
    */
   virtual void Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output) = 0;
 
+  ///@{
+  /**
+   * The two steps between which the ranks meet: whether there is something to do on this one, and
+   * the work, if there is on any. Here the input is converted, and Execute() gets the model; a
+   * filter whose input is no model overrides both. Errors are reported by throwing.
+   */
+  virtual bool HasWork(vtkDataObject* input);
+  virtual void ExecuteInput(vtkDataObject* input, vtkDataObject* output);
+  ///@}
+
   /**
    * Called when another model than before is about to come: what a filter keeps of the old one, it
    * drops here.

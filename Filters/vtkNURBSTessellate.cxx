@@ -74,6 +74,9 @@ void vtkNURBSTessellate::Execute(const hyperpatch::MultiPatch& model, vtkDataObj
       });
   }
 
+  // Curves alone have no normals: zeros would draw them black.
+  const bool normals = this->AnyRank(std::any_of(model.Patches.begin(), model.Patches.end(),
+    [](const hyperpatch::Patch& patch) { return patch.Body.Geometry().Dimension() > 1; }));
   NURBSMeshOutput mesh(tolerances.Components, { "Side" });
   bool limited = false;
   for (std::size_t i = 0; i < count; ++i)
@@ -87,7 +90,8 @@ void vtkNURBSTessellate::Execute(const hyperpatch::MultiPatch& model, vtkDataObj
       mesh.AddCells(patch, s.Hexahedra, s.Elements, { { -1 } });
     }
     const hyperpatch::SurfaceMesh& b = surfaces[i];
-    mesh.AddPoints(patch, b.Parameters, b.Points, b.Normals, b.Attributes);
+    mesh.AddPoints(
+      patch, b.Parameters, b.Points, normals ? b.Normals : Eigen::Matrix3Xd(), b.Attributes);
     mesh.AddCells(
       patch, b.Lines, b.LineElements, { volume ? b.LineSides : std::vector<int>{ -1 } });
     if (!solid || !volume)

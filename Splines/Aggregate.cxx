@@ -35,7 +35,7 @@ Aggregate::Aggregate(Spline geometry, std::vector<Attribute> attributes)
         throw Error("attribute \"" + attribute.Name + "\" has the domain [" +
           std::to_string(a.First()) + ", " + std::to_string(a.Last()) + "] in direction " +
           "uvw"[d] + " where the geometry has [" + std::to_string(g.First()) + ", " +
-          std::to_string(g.Last()) + "]: use Normalise Domains");
+          std::to_string(g.Last()) + "]: use Normalise Domains of NURBS Refine");
       }
     }
   }

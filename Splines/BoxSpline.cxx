@@ -222,8 +222,7 @@ Range BoxSpline::Derivative(int direction, const std::array<Part, 3>& part) cons
   for (int at = layers.First[d]; at < layers.Last[d]; ++at)
   {
     const auto A = static_cast<std::size_t>(at);
-    const double factor =
-      p / (this->K[d][A + static_cast<std::size_t>(p) + 1] - this->K[d][A + 1]);
+    const double factor = p / (this->K[d][A + static_cast<std::size_t>(p) + 1] - this->K[d][A + 1]);
     steepest = std::max(steepest, factor);
     Layers layer = layers;
     layer.First[d] = layer.Last[d] = at;

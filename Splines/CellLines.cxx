@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "CellLines.h"
 
+#include "Error.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <utility>
 
 namespace hyperpatch
@@ -64,12 +67,17 @@ CellLines::CellLines(
     first = end;
   }
   this->Creases.push_back(true);
+  if (this->Roots.size() > MostRoots)
+  {
+    throw Error("there are more than " + std::to_string(MostRoots) +
+      " knots in one direction at which the model is not smooth: restrict it to a part");
+  }
 }
 
 bool CellLines::IsCrease(int line) const
 {
-  return line % this->Size == 0 && !this->Creases.empty() &&
-    this->Creases[static_cast<std::size_t>(line / this->Size)];
+  return line % RootSize == 0 && !this->Creases.empty() &&
+    this->Creases[static_cast<std::size_t>(line / RootSize)];
 }
 
 double CellLines::Parameter(int line) const
@@ -83,9 +91,9 @@ double CellLines::Parameter(int line) const
   {
     return this->B.back();
   }
-  const Root& root = this->Roots[static_cast<std::size_t>(line / this->Size)];
-  int offset = line % this->Size;
-  int size = this->Size;
+  const Root& root = this->Roots[static_cast<std::size_t>(line / RootSize)];
+  int offset = line % RootSize;
+  int size = RootSize;
   int first = root.First;
   int last = root.Last;
   while (offset > 0 && last - first > 1)

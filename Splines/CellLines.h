@@ -29,13 +29,13 @@ public:
   CellLines(std::vector<double> breaks, const std::vector<bool>& isCrease, int cells,
     bool mirrored = false);
 
-  /// A root cell can be halved as often as its size; size 1 cannot be halved.
-  /// \param size a power of two; times NumberOfRoots() it fits an int
-  void SetRootSize(int size) { this->Size = size; }
-  [[nodiscard]] int RootSize() const { return this->Size; }
+  /// The size of a root cell, a power of two; a cell of size 1 cannot be halved.
+  static constexpr int RootSize = 1 << 18;
+  /// The most root cells of one direction; more creases than that throw an Error.
+  static constexpr int MostRoots = 4096;
   [[nodiscard]] int NumberOfRoots() const { return static_cast<int>(this->Roots.size()); }
   /// The number of root cells times their size; 0 for a direction that is not there.
-  [[nodiscard]] int Length() const { return static_cast<int>(this->Roots.size()) * this->Size; }
+  [[nodiscard]] int Length() const { return static_cast<int>(this->Roots.size()) * RootSize; }
   [[nodiscard]] double Parameter(int line) const;
   [[nodiscard]] bool IsCrease(int line) const;
   [[nodiscard]] bool IsMirrored() const { return this->Mirrored; }
@@ -51,7 +51,6 @@ private:
   std::vector<double> B; ///< in the order of the lines
   std::vector<Root> Roots;
   std::vector<bool> Creases; ///< of the root lines
-  int Size = 1;
   bool Mirrored = false;
 };
 

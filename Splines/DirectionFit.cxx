@@ -82,11 +82,22 @@ int FirstWithoutSite(const KnotVector& knots, const std::vector<double>& sites)
 }
 
 DirectionFit::DirectionFit()
-  : X{ 0.5 }
-  , Lower{ { 0, 0, 0 } }
-  , Upper{ { 0, 0, 0 } }
-  , InverseDiagonal{ 1.0 }
+  : DirectionFit(KnotVector(), { 0.5 })
 {
+  std::vector<double> band{ 1.0 };
+  this->Factorise(band, 0, 0);
+}
+
+DirectionFit::DirectionFit(const KnotVector& knots, const std::vector<double>& sites)
+  : K(knots)
+  , X(sites)
+{
+  CheckSites(knots, sites);
+  for (const double site : sites)
+  {
+    const BasisRow row(knots, site);
+    this->Basis.push_back(this->Append(row.Values, row.Values + knots.Degree() + 1, row.First));
+  }
 }
 
 DirectionFit DirectionFit::Interpolation(const KnotVector& knots, const std::vector<double>& sites)
@@ -98,7 +109,7 @@ DirectionFit DirectionFit::Interpolation(const KnotVector& knots, const std::vec
     throw Error(std::to_string(sites.size()) + " sites cannot be interpolated by " +
       std::to_string(n) + " control points: the numbers must be equal");
   }
-  CheckSites(knots, sites);
+  DirectionFit fit(knots, sites);
   std::vector<double> band(Index(n) * Index(2 * p + 1), 0.0);
   for (int i = 0; i < n; ++i)
   {
@@ -113,9 +124,6 @@ DirectionFit DirectionFit::Interpolation(const KnotVector& knots, const std::vec
     }
     std::copy_n(row.Values, p + 1, band.begin() + i * (2 * p + 1) + p - diagonal);
   }
-  DirectionFit fit;
-  fit.K = knots;
-  fit.X = sites;
   fit.Factorise(band, p, p);
   return fit;
 }
@@ -129,7 +137,7 @@ DirectionFit DirectionFit::LeastSquares(
   {
     throw Error("the smoothing must be a finite number, 0 or more");
   }
-  CheckSites(knots, sites);
+  DirectionFit fit(knots, sites);
   const int lonely = smoothing > 0.0 ? n : FirstWithoutSite(knots, sites);
   if (lonely < n || sites.size() < 2)
   {
@@ -144,9 +152,6 @@ DirectionFit DirectionFit::LeastSquares(
   const auto at = [&band, width](int i, int j) -> double&
   { return band[Index(i) * Index(2 * width + 1) + Index(j - i + width)]; };
 
-  DirectionFit fit;
-  fit.K = knots;
-  fit.X = sites;
   std::vector<std::vector<double>> columns(Index(n));
   std::vector<int> first(Index(n), 0);
   for (std::size_t s = 0; s < sites.size(); ++s)
@@ -305,18 +310,7 @@ void DirectionFit::operator()(
   {
     for (std::ptrdiff_t j = 0; j < n; ++j)
     {
-      const Row& row = this->Sums[Index(j)];
-      double* target = coefficients + j * lines;
-      std::fill_n(target, lines, 0.0);
-      for (int i = 0; i < row.Count; ++i)
-      {
-        const double a = this->Values[row.Begin + Index(i)];
-        const double* source = samples + (row.First + i) * lines;
-        for (std::ptrdiff_t l = 0; l < lines; ++l)
-        {
-          target[l] += a * source[l];
-        }
-      }
+      this->Combine(this->Sums[Index(j)], lines, samples, coefficients + j * lines);
     }
   }
   for (std::ptrdiff_t i = 0; i < n; ++i)
@@ -326,6 +320,30 @@ void DirectionFit::operator()(
   for (std::ptrdiff_t i = n - 1; i >= 0; --i)
   {
     subtract(this->Upper[Index(i)], coefficients + i * lines, this->InverseDiagonal[Index(i)]);
+  }
+}
+
+void DirectionFit::Evaluate(std::ptrdiff_t lines, const double* coefficients, double* values) const
+{
+  for (std::size_t i = 0; i < this->Basis.size(); ++i)
+  {
+    this->Combine(
+      this->Basis[i], lines, coefficients, values + static_cast<std::ptrdiff_t>(i) * lines);
+  }
+}
+
+void DirectionFit::Combine(
+  const Row& row, std::ptrdiff_t lines, const double* __restrict source, double* target) const
+{
+  std::fill_n(target, lines, 0.0);
+  source += row.First * lines;
+  for (int i = 0; i < row.Count; ++i, source += lines)
+  {
+    const double a = this->Values[row.Begin + Index(i)];
+    for (std::ptrdiff_t l = 0; l < lines; ++l)
+    {
+      target[l] += a * source[l];
+    }
   }
 }
 

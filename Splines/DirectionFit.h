@@ -53,6 +53,11 @@ public:
   /// IsInterpolation()
   void operator()(std::ptrdiff_t lines, const double* samples, double* coefficients) const;
 
+  /// The values at the sites of splines that stand side by side.
+  /// \param coefficients NumberOfControlPoints() rows of `lines` numbers
+  /// \param values NumberOfSamples() rows of `lines` numbers, not `coefficients`
+  void Evaluate(std::ptrdiff_t lines, const double* coefficients, double* values) const;
+
 private:
   /// Consecutive numbers of one row of a sparse matrix: columns First .. First + Count - 1, values
   /// from Values[Begin].
@@ -62,11 +67,15 @@ private:
     int Count;
     std::size_t Begin;
   };
+  DirectionFit(const KnotVector& knots, const std::vector<double>& sites);
   void Factorise(std::vector<double>& band, int lower, int upper);
+  void Combine(
+    const Row& row, std::ptrdiff_t lines, const double* __restrict source, double* target) const;
   [[nodiscard]] Row Append(const double* begin, const double* end, int column);
 
   KnotVector K;
   std::vector<double> X;
+  std::vector<Row> Basis;        ///< rows of the collocation matrix
   std::vector<Row> Sums;         ///< rows of the transposed collocation matrix; none: interpolation
   std::vector<Row> Lower, Upper; ///< of L (unit diagonal, not stored) and U (diagonal apart)
   std::vector<double> InverseDiagonal;

@@ -43,8 +43,8 @@ int Next(int corner)
 double FacetTriangulation::Area(int a, int b, int c) const
 {
   const Eigen::Vector2d& origin = this->X[static_cast<std::size_t>(a)];
-  return Cross(this->X[static_cast<std::size_t>(b)] - origin,
-    this->X[static_cast<std::size_t>(c)] - origin);
+  return Cross(
+    this->X[static_cast<std::size_t>(b)] - origin, this->X[static_cast<std::size_t>(c)] - origin);
 }
 
 bool FacetTriangulation::Start(const std::vector<Eigen::Vector2d>& polygon)
@@ -234,23 +234,23 @@ int FacetTriangulation::Insert(const Eigen::Vector2d& point)
   }
   if (found < 0)
   {
-  // The one whose edges it is least behind: round-off may put it behind both sides of one.
-  double best = -1e-9;
-  for (int t = 0; t < static_cast<int>(this->T.size()) && best < 0.0; ++t)
-  {
-    const double area = Cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0));
-    double least = INFINITY;
-    for (int i = 0; i < 3; ++i)
+    // The one whose edges it is least behind: round-off may put it behind both sides of one.
+    double best = -1e-9;
+    for (int t = 0; t < static_cast<int>(this->T.size()) && best < 0.0; ++t)
     {
-      const Eigen::Vector2d& a = corner(t, Next(i));
-      least = std::min(least, Cross(corner(t, Next(Next(i))) - a, point - a) / area);
+      const double area = Cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0));
+      double least = INFINITY;
+      for (int i = 0; i < 3; ++i)
+      {
+        const Eigen::Vector2d& a = corner(t, Next(i));
+        least = std::min(least, Cross(corner(t, Next(Next(i))) - a, point - a) / area);
+      }
+      if (least > best)
+      {
+        best = least;
+        found = t;
+      }
     }
-    if (least > best)
-    {
-      best = least;
-      found = t;
-    }
-  }
   }
   if (found < 0)
   {
@@ -259,7 +259,8 @@ int FacetTriangulation::Insert(const Eigen::Vector2d& point)
   const auto f = static_cast<std::size_t>(found);
   const Triangle old = this->T[f];
   const std::array<int, 3> neighbors = this->N[f];
-  const double area = Cross(corner(found, 1) - corner(found, 0), corner(found, 2) - corner(found, 0));
+  const double area =
+    Cross(corner(found, 1) - corner(found, 0), corner(found, 2) - corner(found, 0));
   std::array<double, 3> share{};
   for (int i = 0; i < 3; ++i)
   {

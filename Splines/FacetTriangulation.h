@@ -44,11 +44,11 @@ private:
 
   std::vector<Eigen::Vector2d> X;
   std::vector<Triangle> T;
-  std::vector<std::array<int, 3>> N; ///< neighbor opposite to each corner, -1 at the polygon
+  std::vector<std::array<int, 3>> N;     ///< neighbor opposite to each corner, -1 at the polygon
   std::vector<std::array<int, 2>> Stack; ///< (triangle, corner) of edges to be tested
-  std::vector<int> Ring;   ///< what is left of the polygon while ears are cut off
+  std::vector<int> Ring;                 ///< what is left of the polygon while ears are cut off
   std::vector<int> Behind; ///< 3 triangle + corner behind the edge that begins there, or -1
-  int Last = 0; ///< where the search for a point begins
+  int Last = 0;            ///< where the search for a point begins
 };
 
 }

@@ -2,6 +2,7 @@
 #include "Interpolation.h"
 
 #include "Error.h"
+#include "LineBlocksWorker.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,10 +22,6 @@ std::size_t Unsigned(Index i)
   return static_cast<std::size_t>(i);
 }
 
-/// Lines that are copied to a block of about the size of the second level cache, fitted, and copied
-/// back: neighbours in memory go together, so that every row of the block is a run.
-constexpr Index BlockNumbers = 16384;
-
 /// Fits along the middle index of an array inner x samples x outer, in place. The result has the
 /// layout inner x control points x outer, packed.
 void FitAlong(
@@ -32,60 +29,27 @@ void FitAlong(
 {
   const Index samples = fit.NumberOfSamples();
   const Index points = fit.NumberOfControlPoints();
-  const Index slab = inner * samples;
-  const Index lines = std::max<Index>(8, BlockNumbers / samples / 8 * 8);
-
-  // Short runs: whole slabs side by side. Long ones: parts of a slab.
-  const Index slabs = std::max<Index>(1, lines / inner);
-  const Index run = slabs > 1 ? inner : std::min(lines, inner);
-  const Index parts = (inner + run - 1) / run;
-  const Index groups = (outer + slabs - 1) / slabs;
-  const auto body = [&](std::ptrdiff_t begin, std::ptrdiff_t end)
-  {
-    std::vector<double> before(Unsigned(samples * run * slabs));
-    std::vector<double> after(fit.IsInterpolation() ? 0 : Unsigned(points * run * slabs));
-    for (std::ptrdiff_t block = begin; block < end; ++block)
+  const LineBlocks blocks(inner, samples, outer);
+  blocks.ForEach(parallelFor,
+    [&]
     {
-      const Index firstSlab = block / parts * slabs;
-      const Index count = std::min(slabs, outer - firstSlab);
-      const Index firstLine = block % parts * run;
-      const Index length = std::min(run, inner - firstLine);
-      const Index width = count * length;
-      double* const origin = data + firstSlab * slab + firstLine;
-      for (Index s = 0; s < count; ++s)
+      const Index lines = blocks.MaximalLines();
+      std::vector<double> before(Unsigned(samples * lines));
+      std::vector<double> after(fit.IsInterpolation() ? 0 : Unsigned(points * lines));
+      return [&fit, &blocks, points, data, before = std::move(before), after = std::move(after)](
+               const LineBlocks::Block& block) mutable
       {
-        for (Index i = 0; i < samples; ++i)
-        {
-          const double* const from = origin + s * slab + i * inner;
-          double* const to = before.data() + i * width + s * length;
-          for (Index l = 0; l < length; ++l)
-          {
-            to[l] = from[l];
-          }
-        }
-      }
-      double* const result = fit.IsInterpolation() ? before.data() : after.data();
-      fit(width, before.data(), result);
-      for (Index s = 0; s < count; ++s)
-      {
-        for (Index i = 0; i < points; ++i)
-        {
-          const double* const from = result + i * width + s * length;
-          double* const to = origin + s * slab + i * inner;
-          for (Index l = 0; l < length; ++l)
-          {
-            to[l] = from[l];
-          }
-        }
-      }
-    }
-  };
-  parallelFor(groups * parts, 1 + (groups * parts) / 256, body);
+        blocks.Read(block, data, before.data());
+        double* const result = fit.IsInterpolation() ? before.data() : after.data();
+        fit(block.Lines(), before.data(), result);
+        blocks.Write(block, points, result, data);
+      };
+    });
   if (points < samples)
   {
     for (Index s = 1; s < outer; ++s)
     {
-      std::copy_n(data + s * slab, inner * points, data + s * inner * points);
+      std::copy_n(data + s * inner * samples, inner * points, data + s * inner * points);
     }
   }
 }

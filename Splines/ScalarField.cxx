@@ -3,6 +3,7 @@
 
 #include "BezierExtractor.h"
 #include "Error.h"
+#include "JacobianSign.h"
 
 #include <algorithm>
 #include <cmath>
@@ -577,6 +578,11 @@ std::array<std::vector<double>, 3> JacobianField::Breaks() const
 std::array<std::vector<double>, 3> JacobianField::Creases() const
 {
   return KnotsNoSmootherThan(this->S->Spline(), 1);
+}
+
+bool JacobianField::Excludes(const ParameterBox& box) const
+{
+  return JacobianSign(this->S->Spline(), box) != 0;
 }
 
 std::optional<Bernstein> JacobianField::OnBox(const ParameterBox& box) const

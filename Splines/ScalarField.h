@@ -132,6 +132,7 @@ public:
   [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
   [[nodiscard]] std::array<std::vector<double>, 3> Creases() const override;
   [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
+  [[nodiscard]] bool Excludes(const ParameterBox& box) const override;
 
 private:
   std::shared_ptr<const PreparedSpline> S;

@@ -166,20 +166,25 @@ ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const
       isCrease.push_back(b.IsCrease);
     }
     const double aspect = length[D] > 0.0 ? length[D] / shortest : 1.0;
-    this->Lines[D] =
-      CellLines(std::move(at), isCrease, static_cast<int>(std::min(LargestAspect, aspect) + 0.5));
+    this->Roots[D] = static_cast<int>(std::min(LargestAspect, aspect) + 0.5);
     this->DomainWidth = std::max(this->DomainWidth, length[D]);
-    while (static_cast<std::int64_t>(this->Lines[D].NumberOfRoots()) * this->RootSize >= 1 << 30)
-    {
-      this->RootSize /= 2;
-    }
+    this->BreakAt[D] = std::move(at);
+    this->IsCreaseAt[D] = std::move(isCrease);
+  }
+  this->MakeLines({ false, false, false });
+}
+
+void ZeroSet::Worker::MakeLines(const std::array<bool, 3>& mirrored)
+{
+  for (const int d : this->Axes)
+  {
+    const auto D = static_cast<std::size_t>(d);
+    this->Lines[D] = CellLines(this->BreakAt[D], this->IsCreaseAt[D], this->Roots[D], mirrored[D]);
   }
   this->Scale = this->High - this->Low;
   for (const int d : this->Axes)
   {
-    CellLines& lines = this->Lines[static_cast<std::size_t>(d)];
-    lines.SetRootSize(this->RootSize);
-    this->Scale[d] /= lines.NumberOfRoots();
+    this->Scale[d] /= this->Lines[static_cast<std::size_t>(d)].NumberOfRoots();
   }
 }
 
@@ -198,10 +203,9 @@ bool ZeroSet::Worker::Parallel(
   return !this->Options.Abort();
 }
 
-bool ZeroSet::Worker::Extract()
+bool ZeroSet::Worker::Finish()
 {
-  this->Certificate = ZeroSetCertificate();
-  if (!this->Search() || !this->Trace() || !this->Fill())
+  if (!this->Trace() || !this->Fill())
   {
     return false;
   }
@@ -224,7 +228,38 @@ ZeroSet::~ZeroSet() = default;
 
 bool ZeroSet::Extract()
 {
-  return this->W->Extract();
+  return this->Search() && this->Finish();
+}
+
+const std::array<int, 3>& ZeroSet::Roots() const
+{
+  return this->W->Roots;
+}
+
+void ZeroSet::SetRoots(const std::array<int, 3>& roots, const std::array<bool, 3>& mirrored)
+{
+  this->W->Roots = roots;
+  this->W->MakeLines(mirrored);
+}
+
+bool ZeroSet::Search()
+{
+  return this->W->Search();
+}
+
+std::vector<std::array<int, 2>> ZeroSet::NodesOn(int side) const
+{
+  return this->W->NodesOn(side);
+}
+
+bool ZeroSet::AddNodes(int side, const std::vector<std::array<int, 2>>& nodes)
+{
+  return this->W->AddNodes(side, nodes);
+}
+
+bool ZeroSet::Finish()
+{
+  return this->W->Finish();
 }
 
 const ZeroSetMesh& ZeroSet::Mesh() const

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -28,6 +29,8 @@ struct ZeroSetOptions
   double MaximumCells = 2e7;
   /// +1 or -1: the sign of det J of the patch, which orients normals and cells.
   int Handedness = 1;
+  /// Per side (0..5), whether the model goes on beyond it: cuts between parts, interfaces.
+  std::array<bool, 6> GoesOn{};
   ParallelFor For = SerialFor;
   /// Called between steps and, on one thread, inside long ones; true stops the work.
   std::function<bool()> Abort = [] { return false; };
@@ -72,14 +75,16 @@ struct ZeroSetMesh
 
 /// The zero set of a field on one patch, to a tolerance.
 ///
-/// An octree of parameter boxes is refined until, on each leaf, the hull of f excludes a zero or
-/// that of its gradient proves one sheet (Plantinga & Vegter 2004: no two gradients in the box are
-/// at a right angle); on faces of the domain and on creases the same holds for the restriction of f
-/// to them. Leaves may hold many knot spans or a small part of one. The sheet meets the faces
-/// between leaves in curves that both sides share; inside its leaf it is meshed by a constrained
-/// Delaunay triangulation in the metric of its curvature and of the attributes. Vertices are on
-/// f = 0 to round-off, the error of each cell is measured, and cells that miss the tolerance get
-/// more vertices.
+/// An octree of parameter boxes is refined until, on each leaf, either the hull of f excludes a
+/// zero, or the hull of one partial derivative of f does, so that the zero set is one sheet, a
+/// graph in that direction. The same holds on the faces that lie in the domain's boundary or in
+/// creases, for f restricted to them. (A weaker test than that of Plantinga & Vegter 2004, which
+/// needs no balanced tree: bulges of a sheet through a face or edge between leaves stay sheets.)
+/// Leaves may hold many knot spans or a small part of one. The sheet meets the faces between leaves
+/// in curves that both sides share; inside its leaf it is meshed by a constrained Delaunay
+/// triangulation in the metric of its curvature and of the attributes. Vertices are on f = 0 to
+/// round-off, the error of each cell is measured, and cells that miss the tolerance get more
+/// vertices.
 class ZeroSet
 {
 public:
@@ -90,8 +95,31 @@ public:
     ZeroSetOptions options);
   ~ZeroSet();
 
-  /// False if aborted.
+  /// All at once, for a patch alone. False if aborted.
   bool Extract();
+
+  /// Patches that meet, or parts of one, give a surface without cracks if their boxes are halved
+  /// alike on the common face. For that they need the same lines in it, which follow from the
+  /// breaks and from the numbers of root boxes; and each has to know where the other halved.
+  ///
+  ///   a.SetRoots(...), b.SetRoots(...);             // the same along the face
+  ///   a.Search(), b.Search();
+  ///   b.AddNodes(side of b, a.NodesOn(side of a));  // and back
+  ///   a.Finish(), b.Finish();
+  ///
+  /// The number of root boxes per direction, 0 for one that is not there; creases come on top.
+  [[nodiscard]] const std::array<int, 3>& Roots() const;
+  /// \param mirrored per direction, whether lines are counted from the end
+  void SetRoots(const std::array<int, 3>& roots, const std::array<bool, 3>& mirrored);
+  /// False if aborted.
+  bool Search();
+  /// Where boxes have corners on a side (0..5): line numbers in the two other directions,
+  /// ascending.
+  [[nodiscard]] std::vector<std::array<int, 2>> NodesOn(int side) const;
+  /// \returns whether any of them is new
+  bool AddNodes(int side, const std::vector<std::array<int, 2>>& nodes);
+  /// False if aborted.
+  bool Finish();
 
   [[nodiscard]] const ZeroSetMesh& Mesh() const;
   [[nodiscard]] const ZeroSetCertificate& Certificate() const;

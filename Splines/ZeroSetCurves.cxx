@@ -59,8 +59,7 @@ void ZeroSet::Worker::Evaluate(Samples& samples, Index begin, Index end) const
     }
     for (Index i = 0; i < count; ++i)
     {
-      samples.Normals.col(first + i) =
-        this->Normal(derivatives.col(i).data(), gradients.col(i));
+      samples.Normals.col(first + i) = this->Normal(derivatives.col(i).data(), gradients.col(i));
     }
   }
 }
@@ -119,7 +118,8 @@ void ZeroSet::Worker::ForMinimalFaces(
   visit(low, size);
 }
 
-void ZeroSet::Worker::ForMinimalEdges(const Node& low, int size, int axis, const VisitPart& visit) const
+void ZeroSet::Worker::ForMinimalEdges(
+  const Node& low, int size, int axis, const VisitPart& visit) const
 {
   Node middle = low;
   middle[static_cast<std::size_t>(axis)] += size / 2;
@@ -175,8 +175,8 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
   const auto side = [&](const Node& from, int axis, bool forward)
   {
     std::vector<std::pair<Node, int>> edges;
-    this->ForMinimalEdges(from, size, axis,
-      [&edges](const Node& at, int length) { edges.emplace_back(at, length); });
+    this->ForMinimalEdges(
+      from, size, axis, [&edges](const Node& at, int length) { edges.emplace_back(at, length); });
     if (!forward)
     {
       std::reverse(edges.begin(), edges.end());
@@ -224,8 +224,7 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
       continue;
     }
     // From where the walk leaves the positive side: around what follows, or around what was.
-    const std::size_t other =
-      (cutNegative ? i + 1 : i + crossings.size() - 1) % crossings.size();
+    const std::size_t other = (cutNegative ? i + 1 : i + crossings.size() - 1) % crossings.size();
     this->Curves.push_back(
       { crossings[i].Vertex, crossings[other].Vertex, 0, 0, normal, onCrease });
   }
@@ -298,17 +297,25 @@ void ZeroSet::Worker::TraceFlat(const Node& low, int size, int normal)
     static_cast<Index>(this->Curves.size()) - first };
 }
 
-bool ZeroSet::Worker::Trace()
+bool ZeroSet::Worker::AddNode(const Node& node)
+{
+  const bool isNew =
+    this->Nodes
+      .try_emplace({ node[0], node[1], node[2], 0 }, static_cast<Index>(this->NodeAt.size()))
+      .second;
+  if (isNew)
+  {
+    this->NodeAt.push_back(node);
+  }
+  return isNew;
+}
+
+void ZeroSet::Worker::CollectNodes()
 {
   this->Nodes.clear();
-  this->VertexOfEdge.clear();
-  this->CurvesOfFace.clear();
-  this->Vertices.clear();
-  this->Curves.clear();
-  std::vector<Node> nodes;
-  const auto addNodes = [&](const Box& box, int divisions)
+  this->NodeAt.clear();
+  const auto addCorners = [this](const Box& box, int divisions)
   {
-    // All corners of equal parts of a box.
     std::array<int, 3> count{ 1, 1, 1 };
     for (const int d : this->Axes)
     {
@@ -317,22 +324,17 @@ bool ZeroSet::Worker::Trace()
     const int step = box.Size / divisions;
     for (int i = 0; i < count[0] * count[1] * count[2]; ++i)
     {
-      const Node node{ box.Low[0] + step * (i % count[0]),
-        box.Low[1] + step * (i / count[0] % count[1]),
-        box.Low[2] + step * (i / (count[0] * count[1])) };
-      const auto next = static_cast<Index>(nodes.size());
-      if (this->Nodes.try_emplace({ node[0], node[1], node[2], 0 }, next).second)
-      {
-        nodes.push_back(node);
-      }
+      this->AddNode(
+        { box.Low[0] + step * (i % count[0]), box.Low[1] + step * (i / count[0] % count[1]),
+          box.Low[2] + step * (i / (count[0] * count[1])) });
     }
   };
   // The corners of leaves, and the places where boxes around them were halved.
   std::unordered_set<std::array<int, 4>, HashNode> halved;
   for (const Leaf& leaf : this->Leaves)
   {
-    addNodes(leaf.At, 1);
-    for (Box box = leaf.At; box.Size < this->RootSize;)
+    addCorners(leaf.At, 1);
+    for (Box box = leaf.At; box.Size < CellLines::RootSize;)
     {
       box.Size *= 2;
       for (const int d : this->Axes)
@@ -343,17 +345,57 @@ bool ZeroSet::Worker::Trace()
       {
         break;
       }
-      addNodes(box, 2);
+      addCorners(box, 2);
     }
   }
-  Eigen::Matrix3Xd parameters(3, static_cast<Index>(nodes.size()));
+}
+
+std::vector<std::array<int, 2>> ZeroSet::Worker::NodesOn(int side) const
+{
+  const auto d = static_cast<std::size_t>(side / 2);
+  const CellLines& lines = this->Lines[d];
+  const int line = (side % 2 != 0) != lines.IsMirrored() ? lines.Length() : 0;
+  std::vector<std::array<int, 2>> nodes;
+  for (const Node& node : this->NodeAt)
+  {
+    if (node[d] == line)
+    {
+      nodes.push_back({ node[d == 0 ? 1 : 0], node[d == 2 ? 1 : 2] });
+    }
+  }
+  return nodes;
+}
+
+bool ZeroSet::Worker::AddNodes(int side, const std::vector<std::array<int, 2>>& nodes)
+{
+  const auto d = static_cast<std::size_t>(side / 2);
+  const CellLines& lines = this->Lines[d];
+  bool any = false;
+  for (const auto& [first, second] : nodes)
+  {
+    Node node{};
+    node[d] = (side % 2 != 0) != lines.IsMirrored() ? lines.Length() : 0;
+    node[d == 0 ? 1 : 0] = first;
+    node[d == 2 ? 1 : 2] = second;
+    any = this->AddNode(node) || any;
+  }
+  return any;
+}
+
+bool ZeroSet::Worker::Trace()
+{
+  this->VertexOfEdge.clear();
+  this->CurvesOfFace.clear();
+  this->Vertices.clear();
+  this->Curves.clear();
+  Eigen::Matrix3Xd parameters(3, static_cast<Index>(this->NodeAt.size()));
   this->NodeValues.resize(this->Nodes.size());
   if (!this->Parallel(static_cast<Index>(this->NodeValues.size()), Batch,
         [&](Index begin, Index end)
         {
           for (Index i = begin; i < end; ++i)
           {
-            parameters.col(i) = this->ParameterOf(nodes[static_cast<std::size_t>(i)]);
+            parameters.col(i) = this->ParameterOf(this->NodeAt[static_cast<std::size_t>(i)]);
           }
           this->Field.Evaluate(static_cast<std::size_t>(end - begin), parameters.col(begin).data(),
             &this->NodeValues[static_cast<std::size_t>(begin)]);
@@ -486,8 +528,7 @@ bool ZeroSet::Worker::FindVertices()
           t = t < o.High - step ? t : o.High - step;
           for (int d = 0; d < 3; ++d)
           {
-            parameters[3 * b + static_cast<std::size_t>(d)] =
-              this->Shared.Parameters(d, o.Vertex);
+            parameters[3 * b + static_cast<std::size_t>(d)] = this->Shared.Parameters(d, o.Vertex);
           }
           parameters[3 * b + static_cast<std::size_t>(o.Axis)] = t;
         }
@@ -579,8 +620,8 @@ void ZeroSet::Worker::Snap()
     const auto leaves = [&](Index v)
     {
       const int axis = this->Vertices[static_cast<std::size_t>(v)].Axis;
-      return axis < 3 && this->Lines[static_cast<std::size_t>(axis)].IsCrease(
-                           node[static_cast<std::size_t>(axis)])
+      return axis < 3 &&
+          this->Lines[static_cast<std::size_t>(axis)].IsCrease(node[static_cast<std::size_t>(axis)])
         ? 1
         : 0;
     };
@@ -744,9 +785,8 @@ void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
           continue;
         }
         const double product = g(d, i) * g(d, i + 1);
-        const double steep = product > 0.0
-          ? std::min(std::abs(g(d, i)), std::abs(g(d, i + 1))) * this->Scale[d]
-          : 0.0;
+        const double steep =
+          product > 0.0 ? std::min(std::abs(g(d, i)), std::abs(g(d, i + 1))) * this->Scale[d] : 0.0;
         if (steep > best)
         {
           best = steep;

@@ -40,8 +40,7 @@ Eigen::Matrix2d Larger(const Eigen::Matrix2d& M, const Eigen::Matrix2d& N)
   const Eigen::LLT<Eigen::Matrix2d> llt(regular);
   const Eigen::Matrix2d L = llt.matrixL();
   const Eigen::Matrix2d inverse = L.inverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(
-    inverse * N * inverse.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(inverse * N * inverse.transpose());
   return L * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(1.0).asDiagonal() *
     eigen.eigenvectors().transpose() * L.transpose();
 }
@@ -222,8 +221,7 @@ std::optional<ZeroSet::Worker::Shape> ZeroSet::Worker::Probe(
       const Eigen::Matrix2d H = second([&](int i) { return field(c, i); });
       if (H.allFinite())
       {
-        shape.Metric =
-          Larger(shape.Metric, Magnitude(H, frame) / (6.0 * Target * tolerance));
+        shape.Metric = Larger(shape.Metric, Magnitude(H, frame) / (6.0 * Target * tolerance));
       }
     }
   }
@@ -289,8 +287,8 @@ void ZeroSet::Worker::FindLoops(const Leaf& leaf, std::vector<std::vector<Index>
       at->Used = true;
       path.push_back(at);
       const Index end = to(*at);
-      const auto again = std::find_if(
-        path.rbegin(), path.rend(), [&](const Step* s) { return from(*s) == end; });
+      const auto again =
+        std::find_if(path.rbegin(), path.rend(), [&](const Step* s) { return from(*s) == end; });
       if (again != path.rend())
       {
         std::vector<Index> loop;
@@ -318,8 +316,7 @@ void ZeroSet::Worker::FindLoops(const Leaf& leaf, std::vector<std::vector<Index>
   }
 }
 
-void ZeroSet::Worker::FindFlatLoops(
-  const Leaf& leaf, std::vector<std::vector<Index>>& loops) const
+void ZeroSet::Worker::FindFlatLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const
 {
   for (int d = 0; d < 3; ++d)
   {
@@ -399,8 +396,8 @@ void ZeroSet::Worker::FillPolygon(const std::vector<Index>& loop, Facets& facets
     if (j - i > 1)
     {
       const Index k = apex(i, j);
-      facets.Cells.push_back({ loop[static_cast<std::size_t>(i)],
-        loop[static_cast<std::size_t>(k)], loop[static_cast<std::size_t>(j)] });
+      facets.Cells.push_back({ loop[static_cast<std::size_t>(i)], loop[static_cast<std::size_t>(k)],
+        loop[static_cast<std::size_t>(j)] });
       open.push_back({ i, k });
       open.push_back({ k, j });
     }
@@ -540,7 +537,8 @@ double ZeroSet::Worker::MeasureFacets(const FacetTriangulation& triangulation, i
     for (std::size_t k = 0; k < 3; ++k)
     {
       const double others = q[(k + 1) % 3] + q[(k + 2) % 3];
-      most = std::max({ most, std::abs(q[k]) / 8.0, std::abs(25.0 * q[k] + 10.0 * others) / 288.0 });
+      most =
+        std::max({ most, std::abs(q[k]) / 8.0, std::abs(25.0 * q[k] + 10.0 * others) / 288.0 });
     }
     errors[static_cast<std::size_t>(t)] = most / this->Options.Tolerance;
     distance = std::max(distance, most);
@@ -571,8 +569,8 @@ double ZeroSet::Worker::MeasureFacets(const FacetTriangulation& triangulation, i
   return worst;
 }
 
-bool ZeroSet::Worker::FillSheet(const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch,
-  Facets& facets) const
+bool ZeroSet::Worker::FillSheet(
+  const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const
 {
   Eigen::Vector3d low = this->Shared.Parameters.col(loop[0]);
   Eigen::Vector3d high = low;
@@ -585,8 +583,8 @@ bool ZeroSet::Worker::FillSheet(const Leaf& leaf, const std::vector<Index>& loop
   for (int d = 0; d < 3; ++d)
   {
     const auto D = static_cast<std::size_t>(d);
-    const double box = std::abs(this->Line(d, leaf.At.Low[D] + leaf.At.Size) -
-      this->Line(d, leaf.At.Low[D]));
+    const double box =
+      std::abs(this->Line(d, leaf.At.Low[D] + leaf.At.Size) - this->Line(d, leaf.At.Low[D]));
     width[d] = std::max(width[d], 1e-3 * box);
   }
   const std::optional<Shape> shape = this->Probe(0.5 * (low + high), width, leaf.Height);
@@ -607,8 +605,7 @@ bool ZeroSet::Worker::FillSheet(const Leaf& leaf, const std::vector<Index>& loop
   {
     Facets piece;
     const double limit = tried + 1 < Tries ? 2.0 : 0.0;
-    const double error =
-      this->FillSheet(*shape, turn, density, limit, width, loop, scratch, piece);
+    const double error = this->FillSheet(*shape, turn, density, limit, width, loop, scratch, piece);
     if (error < 0.0)
     {
       return false;
@@ -636,8 +633,8 @@ bool ZeroSet::Worker::FillSheet(const Leaf& leaf, const std::vector<Index>& loop
   return true;
 }
 
-double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double density,
-  double limit, const Eigen::Vector3d& width, const std::vector<Index>& loop, Scratch& scratch,
+double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double density, double limit,
+  const Eigen::Vector3d& width, const std::vector<Index>& loop, Scratch& scratch,
   Facets& facets) const
 {
   facets.Inner.Resize(*this, 0);
@@ -650,8 +647,7 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
   const Eigen::Matrix2d inverse = U.inverse();
   const auto flat = [&](const Eigen::Vector3d& p) -> Eigen::Vector2d
   {
-    const Eigen::Vector2d d(
-      p[shape.A] - shape.Centre[shape.A], p[shape.B] - shape.Centre[shape.B]);
+    const Eigen::Vector2d d(p[shape.A] - shape.Centre[shape.A], p[shape.B] - shape.Centre[shape.B]);
     const Eigen::Vector2d y = U * d;
     return { turn * y[0], y[1] };
   };
@@ -699,7 +695,8 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
         }
         const Eigen::Vector2d ab = b - a;
         const double square = ab.squaredNorm();
-        const double t = square > 0.0 ? std::min(1.0, std::max(0.0, (p - a).dot(ab) / square)) : 0.0;
+        const double t =
+          square > 0.0 ? std::min(1.0, std::max(0.0, (p - a).dot(ab) / square)) : 0.0;
         clear = (a + t * ab - p).squaredNorm() > Clearance * Clearance;
       }
       if (inside && clear)
@@ -725,8 +722,7 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
       const Eigen::Vector2d d = inverse * Eigen::Vector2d(turn * y[0], y[1]);
       scratch.Parameters(shape.A, i) = shape.Centre[shape.A] + d[0];
       scratch.Parameters(shape.B, i) = shape.Centre[shape.B] + d[1];
-      scratch.Parameters(w, i) =
-        shape.Centre[w] + shape.Slope.dot(d) + 0.5 * d.dot(shape.Bend * d);
+      scratch.Parameters(w, i) = shape.Centre[w] + shape.Slope.dot(d) + 0.5 * d.dot(shape.Bend * d);
     }
     scratch.Axes.assign(static_cast<std::size_t>(count), w);
     this->Project(scratch.Parameters, scratch.Axes, scratch.Projected);
@@ -782,17 +778,16 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
     for (std::size_t k = 0; k < 3; ++k)
     {
       const int corner = triangle[k];
-      cell[k] = corner < boundary
-        ? loop[static_cast<std::size_t>(corner)]
-        : -1 - innerOf[static_cast<std::size_t>(corner - boundary)];
+      cell[k] = corner < boundary ? loop[static_cast<std::size_t>(corner)]
+                                  : -1 - innerOf[static_cast<std::size_t>(corner - boundary)];
     }
     facets.Cells.push_back(cell);
   }
   return worst;
 }
 
-void ZeroSet::Worker::FillLoop(const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch,
-  Facets& facets) const
+void ZeroSet::Worker::FillLoop(
+  const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const
 {
   if (loop.size() < 3)
   {

@@ -95,8 +95,7 @@ void ZeroSet::Worker::Assemble()
       {
         continue;
       }
-      const int below =
-        axes == 3 ? sidesOf(corner, leafOf[static_cast<std::size_t>(c)]) : 0;
+      const int below = axes == 3 ? sidesOf(corner, leafOf[static_cast<std::size_t>(c)]) : 0;
       const auto next = static_cast<Index>(columns.size());
       if (below == 0)
       {
@@ -158,8 +157,8 @@ void ZeroSet::Worker::Assemble()
   {
     for (Index c = 0; c < count; ++c)
     {
-      std::swap(indices[static_cast<std::size_t>(3 * c + 1)],
-        indices[static_cast<std::size_t>(3 * c + 2)]);
+      std::swap(
+        indices[static_cast<std::size_t>(3 * c + 1)], indices[static_cast<std::size_t>(3 * c + 2)]);
     }
   }
   this->Mesh.Parameters = std::move(all.Parameters);
@@ -181,8 +180,8 @@ void ZeroSet::Worker::Assemble()
       {
         sum += this->Mesh.Parameters(d, this->Mesh.Cells(k, c));
       }
-      const auto span = std::upper_bound(breaks.begin() + 1, breaks.end() - 1, sum / axes) -
-        breaks.begin() - 1;
+      const auto span =
+        std::upper_bound(breaks.begin() + 1, breaks.end() - 1, sum / axes) - breaks.begin() - 1;
       this->Mesh.Elements(d, c) = static_cast<int>(span);
     }
   }

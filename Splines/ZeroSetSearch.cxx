@@ -156,13 +156,15 @@ unsigned ZeroSet::Worker::FindFlat(const Box& box, const BoxSpline& f, bool& tou
       }
       if (line == 0 || line == lines.Length())
       {
-        flat |= 1u << (2 * d + (high ? 1 : 0));
+        const bool goesOn = this->Options.GoesOn[2 * D + (atHigh ? 1 : 0)];
+        flat |= goesOn ? 0u : 1u << (2 * d + (high ? 1 : 0));
         continue;
       }
       // The next root cell is the nearest that there can be on the other side.
       Eigen::Vector3d other(p.Low.data());
       other = 0.5 * (other + Eigen::Vector3d(p.High.data()));
-      other[d] = 0.5 * (this->Line(d, line) + this->Line(d, line + (high ? 1 : -1) * this->RootSize));
+      other[d] =
+        0.5 * (this->Line(d, line) + this->Line(d, line + (high ? 1 : -1) * CellLines::RootSize));
       double value = 0.0;
       this->Field.Evaluate(1, other.data(), &value);
       touches = touches || value > 0.0;
@@ -192,15 +194,14 @@ bool ZeroSet::Worker::IsTooLarge(const Box& box, const Height& height) const
   }
   const double a = std::sqrt(shape->Metric(0, 0)) * width[shape->A];
   const double b = std::sqrt(shape->Metric(1, 1)) * width[shape->B];
-  const double inside = std::sqrt(std::max(0.0, shape->Metric.determinant())) * width[shape->A] *
-    width[shape->B];
+  const double inside =
+    std::sqrt(std::max(0.0, shape->Metric.determinant())) * width[shape->A] * width[shape->B];
   const bool isSteep = height.Steepness >= LeastSteepness;
   return std::max(a, b) > (isSteep ? MostAcross : MostAcrossFlat) ||
     inside > (isSteep ? MostInside : MostInsideFlat);
 }
 
-void ZeroSet::Worker::Visit(
-  const Box& box, BoxSpline& f, Visited& visited) const
+void ZeroSet::Worker::Visit(const Box& box, BoxSpline& f, Visited& visited) const
 {
   const ParameterBox parameters = this->Parameters(box);
   if (this->Field.Excludes(parameters))
@@ -321,18 +322,18 @@ void ZeroSet::Worker::SearchRoots(const Node& low, const Node& high, std::vector
   {
     const auto D = static_cast<std::size_t>(d);
     const bool isThere = this->Lines[D].Length() > 0;
-    const double a = this->Line(d, this->RootSize * low[D]);
-    const double b = isThere ? this->Line(d, this->RootSize * high[D]) : this->High[d];
+    const double a = this->Line(d, CellLines::RootSize * low[D]);
+    const double b = isThere ? this->Line(d, CellLines::RootSize * high[D]) : this->High[d];
     box.Low[D] = std::min(a, b);
     box.High[D] = std::max(a, b);
     widest = high[D] - low[D] > high[widest] - low[widest] ? D : widest;
   }
   if (high[widest] - low[widest] <= 1)
   {
-    Box root{ low, this->RootSize };
+    Box root{ low, CellLines::RootSize };
     for (std::size_t d = 0; d < 3; ++d)
     {
-      root.Low[d] = this->Lines[d].Length() > 0 ? low[d] * this->RootSize : 0;
+      root.Low[d] = this->Lines[d].Length() > 0 ? low[d] * CellLines::RootSize : 0;
     }
     found.push_back(root);
     return;
@@ -351,6 +352,7 @@ void ZeroSet::Worker::SearchRoots(const Node& low, const Node& high, std::vector
 
 bool ZeroSet::Worker::Search()
 {
+  this->Certificate = ZeroSetCertificate();
   this->Leaves.clear();
   std::vector<Box> open;
   {
@@ -402,6 +404,7 @@ bool ZeroSet::Worker::Search()
     }
     this->Certificate.ToleranceReached = this->Certificate.ToleranceReached && !capped;
   }
+  this->CollectNodes();
   return true;
 }
 

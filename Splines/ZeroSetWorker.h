@@ -33,8 +33,13 @@ public:
   Worker(std::shared_ptr<const PreparedAggregate> body, const ScalarField& field,
     ZeroSetOptions options);
 
-  bool Extract();
+  void MakeLines(const std::array<bool, 3>& mirrored);
+  bool Search();
+  [[nodiscard]] std::vector<std::array<int, 2>> NodesOn(int side) const;
+  bool AddNodes(int side, const std::vector<std::array<int, 2>>& nodes);
+  bool Finish();
 
+  std::array<int, 3> Roots{};
   ZeroSetMesh Mesh;
   ZeroSetCertificate Certificate;
 
@@ -110,9 +115,9 @@ private:
     int Axis = -1; ///< the direction of height
     int A = 0, B = 0;
     Eigen::Vector3d Centre;
-    Eigen::Vector2d Slope;     ///< of the height
-    Eigen::Matrix2d Bend;      ///< second derivatives of the height
-    Eigen::Matrix2d Metric;    ///< edges of length 1 in it meet the tolerances
+    Eigen::Vector2d Slope;  ///< of the height
+    Eigen::Matrix2d Bend;   ///< second derivatives of the height
+    Eigen::Matrix2d Metric; ///< edges of length 1 in it meet the tolerances
   };
 
   /// The mesh of the surface in one leaf.
@@ -134,7 +139,6 @@ private:
   bool Parallel(Index count, Index grain, const std::function<void(Index, Index)>& body) const;
 
   // Search: ZeroSetSearch.cxx
-  bool Search();
   void SearchRoots(const Node& low, const Node& high, std::vector<Box>& found) const;
   struct Visited;
   void Visit(const Box& box, BoxSpline& f, Visited& visited) const;
@@ -154,6 +158,8 @@ private:
   [[nodiscard]] bool IsTooLarge(const Box& box, const Height& height) const;
 
   // Curves: ZeroSetCurves.cxx
+  void CollectNodes();
+  bool AddNode(const Node& node);
   bool Trace();
   [[nodiscard]] std::optional<Index> FindNode(const Node& node) const;
   using VisitPart = std::function<void(const Node& low, int size)>;
@@ -176,8 +182,8 @@ private:
     const std::vector<int>& axisOf, const std::vector<double>& places,
     std::vector<double>& errors) const;
   /// Moves points along one axis each onto f = 0; `projected`: where that worked.
-  void Project(Eigen::Matrix3Xd& parameters, const std::vector<int>& axes,
-    std::vector<char>& projected) const;
+  void Project(
+    Eigen::Matrix3Xd& parameters, const std::vector<int>& axes, std::vector<char>& projected) const;
   void Evaluate(Samples& samples, Index begin, Index end) const;
   /// \param derivatives of the geometry, 3 m
   [[nodiscard]] Eigen::Vector3d Normal(
@@ -191,10 +197,10 @@ private:
   void FillLeaf(const Leaf& leaf, Scratch& scratch, Facets& facets) const;
   void FindFlatLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
   void FindLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
-  void FillLoop(const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch,
-    Facets& facets) const;
-  bool FillSheet(const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch,
-    Facets& facets) const;
+  void FillLoop(
+    const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
+  bool FillSheet(
+    const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
   /// One try of it.
   /// \param density multiplies the metric
   /// \param limit if not 0, it is given up where most triangles miss a tolerance; then there are no
@@ -237,14 +243,16 @@ private:
   const Evaluator& Geometry;
   std::vector<const Evaluator*> Attributes;
   std::vector<int> Axes; ///< the directions that are there
+  std::array<std::vector<double>, 3> BreakAt;
+  std::array<std::vector<bool>, 3> IsCreaseAt;
   std::array<CellLines, 3> Lines;
-  Eigen::Vector3d Scale; ///< of parameters: 1 is the width of a root cell
-  int RootSize = 1 << 20;
+  Eigen::Vector3d Scale;     ///< of parameters: 1 is the width of a root cell
   Eigen::Vector3d Low, High; ///< the domain
   double DomainWidth = 0.0;  ///< the longest line through the middle of it, in space
 
   std::vector<Leaf> Leaves;
   std::unordered_map<std::array<int, 4>, Index, HashNode> Nodes; ///< corners of boxes
+  std::vector<Node> NodeAt;
   std::vector<double> NodeValues;
   double LargestValue = 0.0;
   double LargestAtVertices = 0.0;

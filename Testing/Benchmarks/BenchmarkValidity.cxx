@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Certification of random cubic cells, and how many cells cones and Bernstein coefficients visit
-// until the boundary det J = 0 is cut out at a fixed depth.
+// Certification of random cubic cells, how many cells cones and Bernstein coefficients visit until
+// the boundary det J = 0 is cut out at a fixed depth, and global injectivity.
 
 #include "Bernstein.h"
+#include "CondeTorres.h"
 #include "Cone.h"
+#include "GlobalInjectivity.h"
 #include "Validity.h"
 
 #include <benchmark/benchmark.h>
@@ -13,6 +15,7 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace
@@ -207,6 +210,97 @@ void VisitedCells(benchmark::State& state)
   state.counters["leaves"] = static_cast<double>(leaves);
 }
 
+//------------------------------------------------------------------------------------------------
+// Whole models.
+
+/// A tricubic volume of n^3 elements in one patch, control points moved by a fifth of the noise
+/// that turns cells over.
+MultiPatch RandomVolume(int n)
+{
+  const KnotVector knots = KnotVector::Uniform(3, n + 3, 0.0, n);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> move(-0.06, 0.06);
+  Eigen::Matrix3Xd points(3, (n + 3) * (n + 3) * (n + 3));
+  for (int i = 0; i < points.cols(); ++i)
+  {
+    const Eigen::Vector3d at(knots.Greville(i % (n + 3)), knots.Greville(i / (n + 3) % (n + 3)),
+      knots.Greville(i / (n + 3) / (n + 3)));
+    points.col(i) = at + Eigen::Vector3d(move(random), move(random), move(random));
+  }
+  MultiPatch model;
+  model.Patches.push_back({ 0, Aggregate(Spline({ knots, knots, knots }, points)) });
+  return model;
+}
+
+void GlobalInjectivity(benchmark::State& state)
+{
+  const MultiPatch model = RandomVolume(static_cast<int>(state.range(0)));
+  ValidityOptions options;
+  options.Tolerance = 0.0;
+  const std::vector<PatchValidity> validity{ TestValidity(
+    model.Patches[0].Body.Geometry(), options) };
+  Injectivity result;
+  for (auto _ : state)
+  {
+    result = TestInjectivity(model, validity);
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(result.Elements));
+  state.counters["verdict"] = result.Verdict;
+  state.counters["pairs"] = static_cast<double>(result.Pairs);
+  state.counters["boxes"] = static_cast<double>(result.Boxes);
+}
+
+void CondeTorresTest(benchmark::State& state)
+{
+  const MultiPatch model = RandomVolume(static_cast<int>(state.range(0)));
+  for (auto _ : state)
+  {
+    benchmark::DoNotOptimize(TestCondeTorres(model));
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0) * state.range(0) * state.range(0));
+}
+
+/// One tricubic element with noise in percent of the lattice spacing, by itself.
+void InjectivityOfRandomCells(benchmark::State& state)
+{
+  constexpr std::size_t Count = 256;
+  const std::vector<double> points = RandomCells(Count, 0.01 * static_cast<double>(state.range(0)));
+  const KnotVector knots = KnotVector::Uniform(3, 4);
+  std::vector<MultiPatch> models;
+  std::vector<std::vector<PatchValidity>> validity;
+  ValidityOptions options;
+  options.Tolerance = 0.0;
+  for (std::size_t cell = 0; cell < Count; ++cell)
+  {
+    const Eigen::Map<const Eigen::Matrix3Xd> p(points.data() + 192 * cell, 3, 64);
+    MultiPatch model;
+    model.Patches.push_back({ 0, Aggregate(Spline({ knots, knots, knots }, p)) });
+    const PatchValidity patch = TestValidity(model.Patches[0].Body.Geometry(), options);
+    if (patch.Elements[0].Verdict == 1)
+    {
+      models.push_back(std::move(model));
+      validity.push_back({ patch });
+    }
+  }
+  double certified = 0;
+  double boxes = 0;
+  for (auto _ : state)
+  {
+    certified = 0;
+    boxes = 0;
+    for (std::size_t cell = 0; cell < models.size(); ++cell)
+    {
+      const Injectivity result = TestInjectivity(models[cell], validity[cell]);
+      certified += result.Verdict == 1;
+      boxes += static_cast<double>(result.Boxes);
+    }
+  }
+  const auto n = static_cast<double>(models.size());
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(models.size()));
+  state.counters["certified%"] = 100 * certified / n;
+  state.counters["boxes"] = boxes / n;
+}
+
 BENCHMARK(RandomTricubicCells)
   ->ArgNames({ "noise%", "tolerance%" })
   ->ArgsProduct({ { 15, 30, 40 }, { 0, 1 } })
@@ -217,5 +311,13 @@ BENCHMARK(VisitedCells)
   ->ArgsProduct({ { 0, 1, 2 }, { OneOrder, BestOfThree, BernsteinCoefficients } })
   ->Unit(benchmark::kMillisecond)
   ->MinTime(0.1);
+BENCHMARK(InjectivityOfRandomCells)
+  ->ArgName("noise%")
+  ->Arg(15)
+  ->Arg(30)
+  ->Arg(40)
+  ->Unit(benchmark::kMillisecond);
+BENCHMARK(GlobalInjectivity)->ArgName("n")->Arg(10)->Arg(20)->Unit(benchmark::kMillisecond);
+BENCHMARK(CondeTorresTest)->ArgName("n")->Arg(10)->Unit(benchmark::kMillisecond);
 
 }

@@ -6,12 +6,18 @@
 
 #include "vtkAlgorithm.h"
 #include "vtkCallbackCommand.h"
+#include "vtkCellArray.h"
 #include "vtkCommand.h"
+#include "vtkDataArray.h"
 #include "vtkDataObject.h"
+#include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkNew.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPlane.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
 
 #include <gtest/gtest.h>
@@ -81,7 +87,19 @@ MultiPatch DentedCube()
   return model;
 }
 
-/// What a filter needs beyond its defaults to give something for the cube.
+/// A parabola in the plane of this y.
+vtkSmartPointer<vtkPartitionedDataSetCollection> Parabola(double y)
+{
+  Eigen::MatrixXd points(3, 3);
+  points << 1, 2, 3, y, y, y, 0, 1, 0;
+  MultiPatch model;
+  model.Patches.push_back({ 0, Aggregate(Spline({ KnotVector::Uniform(2, 3), {}, {} }, points)) });
+  auto lattice = vtkSmartPointer<vtkPartitionedDataSetCollection>::New();
+  ToVTK(model, lattice);
+  return lattice;
+}
+
+/// What a filter needs beyond its defaults to give something, and its input if that is no volume.
 void Prepare(vtkAlgorithm* filter)
 {
   filter->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "Temperature");
@@ -96,6 +114,42 @@ void Prepare(vtkAlgorithm* filter)
   {
     contour->SetNumberOfContours(1);
     contour->SetValue(0, 0.0);
+  }
+  else if (vtkNURBSFit::SafeDownCast(filter))
+  {
+    // It takes samples.
+    vtkNew<vtkImageData> image;
+    image->SetDimensions(40, 40, 40);
+    image->AllocateScalars(VTK_FLOAT, 3);
+    image->GetPointData()->GetScalars()->Fill(1.0);
+    filter->SetInputDataObject(image);
+  }
+  else if (filter->IsA("vtkNURBSExtrude") || filter->IsA("vtkNURBSRevolve") ||
+    filter->IsA("vtkNURBSSweep"))
+  {
+    for (int port = 0; port < filter->GetNumberOfInputPorts(); ++port)
+    {
+      filter->SetInputDataObject(port, Parabola(0.0));
+    }
+  }
+  else if (filter->IsA("vtkNURBSLoft") || filter->IsA("vtkNURBSRule"))
+  {
+    filter->SetInputDataObject(Parabola(0.0));
+    filter->AddInputDataObject(Parabola(1.0));
+  }
+  else if (filter->IsA("vtkNURBSCurveThroughPoints"))
+  {
+    vtkNew<vtkPoints> points;
+    vtkNew<vtkCellArray> lines;
+    lines->InsertNextCell(5);
+    for (int i = 0; i < 5; ++i)
+    {
+      lines->InsertCellPoint(points->InsertNextPoint(i, i * i, 0.0));
+    }
+    vtkNew<vtkPolyData> line;
+    line->SetPoints(points);
+    line->SetLines(lines);
+    filter->SetInputDataObject(line);
   }
 }
 

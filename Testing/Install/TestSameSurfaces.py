@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The C++ program, the pvpython script and the state of Examples/ give the same surfaces: those of
+"""The C++ program, the pvpython script and the state of an example give the same surfaces: those of
 the installed tree, and the script of the unpacked package as well.
 """
 import os
@@ -11,11 +11,13 @@ from vtkmodules.vtkIOImage import vtkPNGReader
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 FOLDER = os.environ['HYPERPATCH_RESULTS']
+SURFACES = os.environ['HYPERPATCH_SURFACES'].split()
+ATTRIBUTE = os.environ['HYPERPATCH_ATTRIBUTE']
 WAYS = ('cxx', 'script', 'package', 'state')
 
 
 def surface(way, name):
-    """Number of points, bounds, area and range of Temperature of a written surface."""
+    """Number of points, bounds, area and range of the attribute of a written surface."""
     reader = vtkXMLPolyDataReader()
     reader.SetFileName(os.path.join(FOLDER, way, name + '.vtp'))
     reader.Update()
@@ -25,12 +27,12 @@ def surface(way, name):
     normals = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * numpy.linalg.norm(normals, axis=1).sum()
     return len(points), numpy.array(data.GetBounds()), area, numpy.array(
-        data.GetPointData().GetArray('Temperature').GetRange())
+        data.GetPointData().GetArray(ATTRIBUTE).GetRange())
 
 
 class SameSurfaces(unittest.TestCase):
     def test_all_ways_give_the_same_surfaces(self):
-        for name in ('slice', 'contour', 'boundary'):
+        for name in SURFACES:
             number, bounds, area, values = surface(WAYS[0], name)
             print(f'{name}: {number} points, area {area:.12g}')
             self.assertGreater(area, 0.1)

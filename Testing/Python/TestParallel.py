@@ -16,15 +16,29 @@ FILTERS = ('tessellate', 'slice', 'contour', 'boundary', 'extract')
 BOX = [0.0, 0.5, 0.0, 1.0, 0.0, 0.5]
 
 
+LENS = 'lens'
+
+
+def lens():
+    """A model from a source and modelling filters, of two patches with more elements than ranks."""
+    line = simple.NURBSCurve(Points=[0, 0, 0, 1, 0, 0], AttributeName='Index',
+                             AttributeValues=[1.6, 1.6, 1.5, 1.4])
+    disk = simple.NURBSRevolve(Input=line, AxisDirection=[0, 0, 1])
+    layers = [simple.NURBSExtrude(Input=disk, Vector=[0, 0, z]) for z in (0.5, -0.5)]
+    return simple.NURBSRefine(Input=simple.NURBSAppend(Input=layers))
+
+
 def rank():
     """What every process of the parallel run does: saves its part of each surface."""
     from mpi4py import MPI
     folder, file = sys.argv[1:]
     number, ranks = MPI.COMM_WORLD.rank, MPI.COMM_WORLD.size
-    model = common.open_file(file)
+    model = lens() if file == LENS else common.open_file(file)
     # Ranges and bounds that a process knows of are those of its part: choose nothing by them.
     if file == common.PIPE:
         arguments = common.ATTRIBUTE, common.ISOVALUE, common.ORIGIN
+    elif file == LENS:
+        arguments = 'Index', 1.5, [0.3, 0.2, 0.3]
     else:
         model = simple.Calculator(Input=model, Function='coordsX+coordsY', ResultArrayName='Sum')
         arguments = 'Sum', 1.5, [1.2, 0.3, 0.5]
@@ -103,6 +117,9 @@ class Parallel(unittest.TestCase):
 
     def test_two_patches_on_three_ranks(self):
         self.assert_same(os.path.join(common.DATA, 'tube_on_block.xml'))
+
+    def test_a_modelled_lens_on_three_ranks(self):
+        self.assert_same(LENS)
 
 
 if __name__ == '__main__':

@@ -49,6 +49,14 @@ def fetch(proxy):
     return servermanager.Fetch(proxy)
 
 
+def report(proxy):
+    """The rows of the second output of a fit, as dictionaries of texts."""
+    table = servermanager.Fetch(proxy, idx=1)
+    names = [table.GetColumnName(i) for i in range(table.GetNumberOfColumns())]
+    return [{name: table.GetValueByName(row, name).ToString() for name in names}
+            for row in range(table.GetNumberOfRows())]
+
+
 def points(data):
     return vtk_to_numpy(data.GetPoints().GetData())
 

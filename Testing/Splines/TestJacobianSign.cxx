@@ -119,6 +119,68 @@ TEST(JacobianSign, NoAnswerIsContradictedBySamples)
   EXPECT_LT(decided, 2800);
 }
 
+TEST(JacobianSign, NoAnswerAboutWildWeightsIsContradictedBySamples)
+{
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> move(-1.0, 1.0);
+  int decided = 0;
+  for (int run = 0; run < 20000; ++run)
+  {
+    const int degree = 1 + run % 2;
+    const Spline plain = NoisyLattice(random, degree, degree + 1, 0.35, 0.0);
+    Eigen::VectorXd weights(plain.NumberOfControlPoints());
+    for (Eigen::Index i = 0; i < weights.size(); ++i)
+    {
+      weights[i] = std::pow(run % 3 == 0 ? 2.0 : 1.3, move(random));
+    }
+    const Spline s(plain.Knots(), plain.Coefficients(), weights);
+    const int sign = JacobianSign(s, WholeBox(s));
+    decided += sign != 0;
+    if (sign != 0)
+    {
+      const auto range = SampledRange(s, WholeBox(s), 4);
+      ASSERT_GT(sign > 0 ? range[0] : -range[1], 0.0) << "run " << run;
+    }
+  }
+  EXPECT_GT(decided, 200);
+}
+
+// x_i + the sum of k_j (x_j - x_j^2) over the others: the frame is that of x, the control vectors
+// of direction j have parts k_j or -k_j beside 1. With equal k det J at (1, 1, 1) is 1 - 3 k^2 - 2
+// k^3, which is 0 at k = 1/2.
+TEST(JacobianSign, IsKnownUpToTheFold)
+{
+  const auto signOf = [](std::array<double, 3> k)
+  {
+    const double c[3] = { 0.0, 0.5, 0.0 };
+    Eigen::MatrixXd points(3, 27);
+    for (int i = 0; i < 27; ++i)
+    {
+      const std::array<int, 3> at{ i % 3, i / 3 % 3, i / 9 };
+      for (int d = 0; d < 3; ++d)
+      {
+        const auto D = static_cast<std::size_t>(d);
+        const std::size_t e = (D + 1) % 3;
+        const std::size_t f = (D + 2) % 3;
+        points(d, i) = 0.5 * at[D] + k[e] * c[at[e]] + k[f] * c[at[f]];
+      }
+    }
+    const KnotVector knots = KnotVector::Uniform(2, 3);
+    const Spline s({ knots, knots, knots }, points);
+    return JacobianSign(s, WholeBox(s));
+  };
+  EXPECT_EQ(signOf({ 0.4999, 0.4999, 0.4999 }), 1);
+  EXPECT_EQ(signOf({ -0.4999, -0.4999, -0.4999 }), 1);
+  EXPECT_EQ(signOf({ 0.5, 0.5, 0.5 }), 0);
+  // 1 - k_0 k_1 - k_1 k_2 - k_2 k_0 - 2 k_0 k_1 k_2: one column may be wide if the others are not.
+  EXPECT_EQ(signOf({ 0.6, 0.495, 0.495 }), 0);
+  EXPECT_EQ(signOf({ 0.495, 0.6, 0.495 }), 0);
+  EXPECT_EQ(signOf({ 0.495, 0.495, 0.6 }), 0);
+  EXPECT_EQ(signOf({ 0.6, 0.4, 0.4 }), 1);
+  EXPECT_EQ(signOf({ 0.2, 0.2, 1.9 }), 1);
+  EXPECT_EQ(signOf({ 0.3, 0.3, 2.0 }), 0);
+}
+
 TEST(JacobianSign, IsThatOfTheFrameOfTheMap)
 {
   std::mt19937 random(2);

@@ -4,6 +4,7 @@
 #include "Evaluator.h"
 #include "Operators.h"
 #include "Splines/Models.h"
+#include "Splines/ValidityModels.h"
 #include "Validity.h"
 
 #include <Eigen/Geometry>
@@ -43,50 +44,6 @@ void ExpectWitnesses(const Spline& spline, const ElementValidity& element)
   EXPECT_LT(JacobianAt(spline, *element.Negative), 0.0);
 }
 
-/// A volume on one polynomial element of the unit cube, from a function of the lattice indices.
-template <class Function>
-Spline BezierVolume(std::array<int, 3> degrees, const Function& point)
-{
-  Eigen::Matrix3Xd points(3, (degrees[0] + 1) * (degrees[1] + 1) * (degrees[2] + 1));
-  for (int i = 0; i < points.cols(); ++i)
-  {
-    points.col(i) = point(i % (degrees[0] + 1), i / (degrees[0] + 1) % (degrees[1] + 1),
-      i / (degrees[0] + 1) / (degrees[1] + 1));
-  }
-  return Spline({ KnotVector::Uniform(degrees[0], degrees[0] + 1),
-                  KnotVector::Uniform(degrees[1], degrees[1] + 1),
-                  KnotVector::Uniform(degrees[2], degrees[2] + 1) },
-    points);
-}
-
-/// Unit knots without end: a uniform B-spline whose domain begins at 0.
-KnotVector Unclamped(int degree, int size)
-{
-  std::vector<double> knots;
-  for (int i = -degree; i <= size; ++i)
-  {
-    knots.push_back(i);
-  }
-  return KnotVector(degree, knots);
-}
-
-/// Conde & Torres' theorem calls this valid: locally ordered spans, disjoint parallel skins.
-Spline OrderedButInvalid(double epsilon)
-{
-  const int m[4][2][2] = { { { 10, 30 }, { 1, 10 } }, { { 3, 1 }, { 1, 3 } },
-    { { 10, 1 }, { 30, 10 } }, { { 40, 1 }, { 30, 40 } } };
-  Eigen::Matrix3Xd points(3, 64);
-  for (int i = 0; i < 64; ++i)
-  {
-    const int r = i % 4;
-    const int s = i / 4 % 4;
-    const int t = i / 16;
-    points.col(i) << m[t][0][0] * r + m[t][0][1] * s + 200 * t,
-      m[t][1][0] * r + m[t][1][1] * s + 200 * t, 100 * t + epsilon * (r + s);
-  }
-  return Spline({ Unclamped(3, 4), Unclamped(3, 4), Unclamped(3, 4) }, points);
-}
-
 ElementValidity Tested(const Spline& bezier, const ValidityOptions& options)
 {
   ValidityTest test(bezier.Degrees(), bezier.IsRational(), options);
@@ -102,7 +59,7 @@ TEST(Validity, RefutesCondeAndTorresTheorem)
 {
   for (double epsilon : { 0.0, 0.001 })
   {
-    const Spline spline = OrderedButInvalid(epsilon);
+    const Spline spline = models::OrderedButInvalid(epsilon);
     for (const ValidityOptions& options : { SignsOnly(), ValidityOptions() })
     {
       const PatchValidity patch = TestValidity(spline, options);
@@ -123,18 +80,7 @@ TEST(Validity, RefutesCondeAndTorresTheorem)
 
 TEST(Validity, IsLocalContiguousElementsThatCrossAreEachValid)
 {
-  // Conde & Torres: two hyperpatches that share three slices do not intersect. These do.
-  const Eigen::Vector2d c[5] = { { 2, 5 }, { -4, 1 }, { 1, -4 }, { -3, 2 }, { -5, -1 } };
-  Eigen::Matrix3Xd points(3, 80);
-  for (int i = 0; i < 80; ++i)
-  {
-    const int r = i % 5;
-    const int s = i / 5 % 4;
-    const int t = i / 20;
-    const Eigen::Vector2d along = (c[std::min(r + 1, 4)] - c[std::max(r - 1, 0)]).normalized();
-    points.col(i) << c[r] + (s - 1.5) * 0.05 * Eigen::Vector2d(-along.y(), along.x()), 0.1 * t;
-  }
-  const Spline spline({ Unclamped(3, 5), Unclamped(3, 4), Unclamped(3, 4) }, points);
+  const Spline spline = models::CrossingNeighbours();
   const PatchValidity patch = TestValidity(spline);
   ASSERT_EQ(patch.Elements.size(), 2u);
   EXPECT_EQ(patch.Handedness, 1);
@@ -175,7 +121,7 @@ TEST(Validity, TellsTheHalvesOfTheSweptHalfCylinderApart)
 TEST(Validity, BoundsHoldTheExtremesToTheTolerance)
 {
   // (u^2 + u, v^2 + v, w) on knots scaled by 2, 3 and 5: det J = (2u + 1)(2v + 1) / 30.
-  Spline spline = BezierVolume({ 2, 2, 1 },
+  Spline spline = models::BezierVolume({ 2, 2, 1 },
     [](int i, int j, int k)
     {
       const double q[3] = { 0.0, 0.5, 2.0 };
@@ -271,7 +217,7 @@ TEST(Validity, CoefficientsOfIntegersAreWithinTheRoundingBound)
   {
     for (int round = 0; round < 5; ++round)
     {
-      const Spline spline = BezierVolume(p,
+      const Spline spline = models::BezierVolume(p,
         [&](int i, int j, int k)
         {
           return Eigen::Vector3d(
@@ -517,21 +463,22 @@ TEST(Validity, DegenerateFacesAndEdgesAreSaidAndLeftOut)
   for (const ValidityOptions& options : { SignsOnly(), ValidityOptions() })
   {
     // (u, u v, w): det J = u.
-    const ElementValidity wedge = Tested(
-      BezierVolume({ 1, 1, 1 }, [](int i, int j, int k) { return Eigen::Vector3d(i, i * j, k); }),
-      options);
+    const ElementValidity wedge =
+      Tested(models::BezierVolume(
+               { 1, 1, 1 }, [](int i, int j, int k) { return Eigen::Vector3d(i, i * j, k); }),
+        options);
     EXPECT_EQ(wedge.Degenerate, 1u << 0);
     EXPECT_EQ(wedge.Verdict, 1);
     // (u, u v, u w): det J = u^2.
     const ElementValidity pyramid =
-      Tested(BezierVolume(
+      Tested(models::BezierVolume(
                { 1, 1, 1 }, [](int i, int j, int k) { return Eigen::Vector3d(i, i * j, i * k); }),
         options);
     EXPECT_EQ(pyramid.Degenerate, 1u << 0);
     EXPECT_EQ(pyramid.Verdict, 1);
     // A quadrilateral with a straight angle at (0, 0), extruded: the edge u = v = 0.
     const ElementValidity extruded =
-      Tested(BezierVolume({ 1, 1, 1 },
+      Tested(models::BezierVolume({ 1, 1, 1 },
                [](int i, int j, int k)
                { return Eigen::Vector3d(i * j == 1 ? 1 : i - j, i * j == 1 ? 1 : j - i, k); }),
         options);
@@ -544,8 +491,8 @@ TEST(Validity, ADoubleZeroInsideIsUndecided)
 {
   // ((2u - 1)^3, v, w): det J = 6 (2u - 1)^2.
   const double x[4] = { -1, 1, -1, 1 };
-  const Spline spline =
-    BezierVolume({ 3, 1, 1 }, [&x](int i, int j, int k) { return Eigen::Vector3d(x[i], j, k); });
+  const Spline spline = models::BezierVolume(
+    { 3, 1, 1 }, [&x](int i, int j, int k) { return Eigen::Vector3d(x[i], j, k); });
   const ElementValidity element = Tested(spline, ValidityOptions());
   EXPECT_EQ(element.Verdict, 0);
   EXPECT_EQ(element.Depth, ValidityOptions().MaxDepth);
@@ -557,7 +504,7 @@ TEST(Validity, ADegenerateFaceExcusesNoOtherZero)
 {
   // (u, u q(v), w), q' = 6 (2v - 1)^2: det J = 6 u (2v - 1)^2.
   const double q[4] = { -1, 1, -1, 1 };
-  const Spline spline = BezierVolume(
+  const Spline spline = models::BezierVolume(
     { 1, 3, 1 }, [&q](int i, int j, int k) { return Eigen::Vector3d(i, i * q[j], k); });
   const ElementValidity element = Tested(spline, SignsOnly());
   EXPECT_EQ(element.Verdict, 0);
@@ -566,9 +513,10 @@ TEST(Validity, ADegenerateFaceExcusesNoOtherZero)
 
 TEST(Validity, AFlatVolumeIsUndecidedAtOnce)
 {
-  const ElementValidity element = Tested(
-    BezierVolume({ 2, 2, 2 }, [](int i, int j, int) { return Eigen::Vector3d(i, j, i + j); }),
-    ValidityOptions());
+  const ElementValidity element =
+    Tested(models::BezierVolume(
+             { 2, 2, 2 }, [](int i, int j, int) { return Eigen::Vector3d(i, j, i + j); }),
+      ValidityOptions());
   EXPECT_EQ(element.Verdict, 0);
   EXPECT_EQ(element.Boxes, 1);
   EXPECT_EQ(element.Degenerate, 0x3fu);
@@ -687,8 +635,8 @@ TEST(Validity, OnlyElementsThatAnEditReachesAreTestedAgain)
 TEST(Validity, AllowsForErrorsOfThePoints)
 {
   // A slab of thickness 1e-6 that is known to 1e-7 is valid, known to 1e-6 it is not certain.
-  const Spline slab =
-    BezierVolume({ 1, 1, 1 }, [](int i, int j, int k) { return Eigen::Vector3d(i, j, 1e-6 * k); });
+  const Spline slab = models::BezierVolume(
+    { 1, 1, 1 }, [](int i, int j, int k) { return Eigen::Vector3d(i, j, 1e-6 * k); });
   for (const ValidityOptions& options : { SignsOnly(), ValidityOptions() })
   {
     ValidityTest test({ 1, 1, 1 }, false, options);

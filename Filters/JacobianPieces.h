@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef JacobianPieces_h
+#define JacobianPieces_h
+
+#include <functional>
+#include <vector>
+
+class vtkPolyData;
+
+namespace hyperpatch
+{
+struct MultiPatch;
+}
+
+/// Arrays of vtkNURBSJacobianBoundary that are made of its finished mesh. Private to this module.
+namespace JacobianPieces
+{
+
+/// Adds the point array `JacobianDeterminant`: det J with respect to the patch's own parameters. On
+/// knot planes across which it jumps over 0 it is 0.
+void AddDeterminant(const hyperpatch::MultiPatch& model, vtkPolyData* output);
+
+/// Adds the cell array `PieceId`: cells of one patch and one `Piece` that are connected have the
+/// same number. Pieces are numbered from 0 in the order of patch, `Piece`, and the least parameters
+/// of their points, on one and on many ranks alike. All ranks must call it.
+/// \param allGather the records of all ranks, in order
+void AddIds(const hyperpatch::MultiPatch& model, vtkPolyData* output,
+  const std::function<std::vector<double>(const std::vector<double>&)>& allGather);
+
+}
+
+#endif

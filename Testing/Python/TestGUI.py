@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""ParaView's window, as a user works with it."""
+import os
+import shutil
+import subprocess
+import unittest
+
+import common
+import gui
+
+MODEL = os.path.basename(common.PIPE)
+PLANE = (gui.PANEL +
+         '/SliceType/ProxySelectionWidget/frame/ChosenProxyWidget/InteractivePlane')
+TOLERANCE = gui.PANEL + '/Tolerance/DoubleRangeWidget/DoubleLineEdit'
+
+# What is in the pipeline and in the view.
+PIPELINE = '''
+view = simple.GetActiveView()
+simple.Render(view)
+pipeline = {}
+for (name, _), proxy in simple.GetSources().items():
+    data = proxy.GetDataInformation()
+    display = simple.GetDisplayProperties(proxy, view)
+    pipeline[name] = [proxy.GetXMLName(), data.GetNumberOfCells(), data.GetBounds(),
+                      display.Visibility, display.Representation.GetData(),
+                      display.ColorArrayName.GetData()[1]]
+'''
+CELLS = 'simple.GetActiveSource().GetDataInformation().GetNumberOfCells()'
+SELECT_MODEL = f'simple.SetActiveSource(simple.FindSource({MODEL!r}))'
+
+
+def shown(pipeline):
+    return [name for name, values in pipeline.items() if values[3]]
+
+
+@unittest.skipUnless(shutil.which('paraview'), 'paraview is not here')
+class GUI(unittest.TestCase):
+    def session(self):
+        session = gui.Session()
+        self.addCleanup(session.folder.cleanup)
+        return session
+
+    def test_open_color_slice_contour_undo_trace_and_state(self):
+        session = self.session()
+        trace, state = session.path('trace.py'), session.path('state.pvsm')
+
+        def look(name):
+            session.python(f"{PIPELINE}\nrecord({name}=pipeline)\n"
+                           f"simple.SaveScreenshot({session.path(name + '.png')!r}, view)")
+
+        session.python('from paraview import smtrace; smtrace.start_trace()')
+        session.load_plugin()
+        session.open(common.PIPE, several_readers=True)
+        session.apply()
+        session.color_by('Temperature (partial)')
+        look('solid')
+        session.python("colors = simple.GetColorTransferFunction('Temperature').RGBPoints\n"
+                       "record(legend=[colors[0], colors[-4]])")
+
+        session.filter('NURBSSlice')
+        session.check(PLANE + '/show3DWidget', 'checked', 'true')
+        session.python('record(begin=list(simple.GetActiveSource().SliceType.Origin))')
+        session.event(PLANE + '/useYNormal')
+        session.event(PLANE + '/originY', 'set_string', '1.5')
+        session.apply()
+        look('slice')
+        session.python(SELECT_MODEL)
+        session.filter('NURBSContour')
+        session.event(gui.PANEL + '/ContourBy/ComboBox', 'set_string', 'Temperature (partial)')
+        session.check(gui.PANEL + '/Component', 'visible', 'false')
+        session.event(gui.PANEL + '/Isosurfaces/Reset')
+        session.apply()
+        session.python('contour = simple.GetActiveSource()\nrecord(values=list(contour.Isosurfaces),'
+                       "coefficients=contour.Input.PointData['Temperature'].GetRange())")
+        look('contour')
+        session.python('from paraview import smtrace\n'
+                       f"with open({trace!r}, 'w', encoding='utf-8') as file:\n"
+                       '    file.write(smtrace.stop_trace())')
+
+        session.event(TOLERANCE, 'set_string', '1e-05')
+        session.apply()
+        # Nothing that sets a property may come between a change and its undoing.
+        session.python(f'record(fine={CELLS})')
+        session.event('menubar/menu_Edit', 'activate', 'actionEditUndo')
+        session.check(TOLERANCE, 'text', '0.001')
+        look('undone')
+
+        session.event('menubar/menu_File', 'activate', 'actionFileSaveServerState')
+        session.event('FileSaveServerStateDialog', 'filesSelected', state)
+        session.python('simple.ResetSession()')
+        session.python('record(left=len(simple.GetSources()))')
+        session.event('menubar/menu_File', 'activate', 'actionFileLoadServerState')
+        session.event('FileLoadServerStateDialog', 'filesSelected', state)
+        session.event('/LoadStateOptionsDialog/widget/OKButton')
+        look('loaded')
+        seen = session.play()
+
+        model = seen['solid'][MODEL]
+        self.assertEqual(model[3:], [1, 'NURBS Solid', 'Temperature'])
+        # The values on the solid, not the coefficients, which reach beyond 200.
+        self.assertAlmostEqual(seen['legend'][0], 20.0, 3)
+        self.assertLess(seen['legend'][1], 150.0)
+        # The plane begins in the middle, and its slice replaces the model.
+        for low, high, middle in zip(model[2][::2], model[2][1::2], seen['begin']):
+            self.assertAlmostEqual(middle, 0.5 * (low + high))
+        self.assertEqual(shown(seen['slice']), ['NURBSSlice1'])
+        bounds = seen['slice']['NURBSSlice1'][2]
+        self.assertLess(max(abs(bounds[2] - 1.5), abs(bounds[3] - 1.5)), 1e-11)
+        # The value begins in the middle of the coefficients' range.
+        low, high = seen['coefficients']
+        self.assertAlmostEqual(seen['values'][0], 0.5 * (low + high))
+        self.assertGreater(seen['contour']['NURBSContour1'][1], 100)
+        self.assertEqual(shown(seen['contour']), ['NURBSContour1', 'NURBSSlice1'])
+        self.assertGreater(seen['fine'], 2 * seen['contour']['NURBSContour1'][1])
+        self.assertEqual(seen['undone'], seen['contour'])
+        pictures = [common.read_picture(session.path(name + '.png'))
+                    for name in ('solid', 'slice', 'contour', 'loaded')]
+        for picture in pictures:
+            self.assertGreater((picture != picture[0, 0]).any(axis=2).sum(), 100)
+
+        # A state and a trace bring the same back.
+        self.assertEqual(seen['left'], 0)
+        self.assertEqual(seen['loaded'], seen['contour'])
+        self.assertEqual((pictures[2] != pictures[3]).sum(), 0)
+        self.assertEqual(self.replay(session, trace), seen['contour'])
+
+    def replay(self, session, trace):
+        """The pipeline that pvpython makes of a trace."""
+        script = session.path('replay.py')
+        with open(trace, encoding='utf-8') as file:
+            text = file.read()
+        with open(script, 'w', encoding='utf-8') as file:
+            file.write(f'{text}\nfrom paraview import simple\n{PIPELINE}\nimport json\n'
+                       f"json.dump(pipeline, open({session.path('replayed')!r}, 'w'))\n")
+        subprocess.run([common.PVPYTHON, script], check=True, timeout=gui.TIMEOUT)
+        return session.load('replayed')
+
+    def test_controls_that_do_not_apply_are_hidden(self):
+        session = self.session()
+        session.load_plugin()
+        session.open(os.path.join(common.DATA, 'tube_on_block.xml'), several_readers=True)
+        session.apply()
+        session.filter('NURBSExtractPatches')
+        controls = ('PatchIds', 'BoundaryName', 'Box')
+        for choice, control in zip(('Patch Ids', 'Boundary', 'Box'), controls):
+            session.event(gui.PANEL + '/ExtractBy/ComboBox', 'set_string', choice)
+            for name in controls:
+                session.check(f'{gui.PANEL}/{name}', 'visible',
+                              'true' if name == control else 'false')
+        session.apply()
+        session.python(f'record(cells={CELLS})')
+        self.assertGreater(session.play()['cells'], 0)
+
+    def test_a_curve_of_the_panel_becomes_a_surface(self):
+        session = self.session()
+        session.load_plugin()
+        session.source('NURBSCurve')
+        session.check(gui.PANEL + '/InteractivePolyLine/show3DWidget', 'checked', 'true')
+        session.apply()
+        session.filter('NURBSRevolve')
+        session.event(gui.PANEL + '/Angle/DoubleRangeWidget/DoubleLineEdit', 'set_string', '180')
+        session.apply()
+        session.python(f'{PIPELINE}\nrecord(pipeline=pipeline)')
+        session.source('NURBSPrimitive')
+        for shape, shown_controls in (('Box', ['Lengths']), ('Tube', ['Radius', 'InnerRadius']),
+                                      ('Helix', ['Radius', 'Pitch', 'Parametrisation'])):
+            session.event(gui.PANEL + '/Shape/ComboBox', 'set_string', shape)
+            for name in ('Lengths', 'Radius', 'InnerRadius', 'Pitch', 'Parametrisation'):
+                session.check(f'{gui.PANEL}/{name}', 'visible',
+                              'true' if name in shown_controls else 'false')
+        session.apply()
+        session.python(f'record(cells={CELLS})')
+        seen = session.play()
+        self.assertGreater(seen['cells'], 0)
+        self.assertEqual(shown(seen['pipeline']), ['NURBSRevolve1'])
+        bounds = seen['pipeline']['NURBSRevolve1'][2]
+        # Half a turn about y, towards -z.
+        self.assertAlmostEqual(bounds[0], -bounds[1])
+        self.assertAlmostEqual(bounds[4], -bounds[1])
+        self.assertAlmostEqual(bounds[5], 0)
+
+
+if __name__ == '__main__':
+    unittest.main()
