@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <map>
 #include <utility>
 
 VTK_ABI_NAMESPACE_BEGIN
@@ -24,11 +26,30 @@ void vtkNURBSZeroSetAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
 namespace
 {
 
-/// A grid interval as five numbers, so that ranks can tell each other: value, patch, direction,
-/// first parameter, count.
-constexpr std::size_t RecordLength = 5;
+/// A side of a part: the label of its task, patch, direction across, parameter there, and the range
+/// of the two other directions. Parts that meet have the same.
+constexpr std::size_t SideKeyLength = 8;
+using SideKey = std::array<double, SideKeyLength>;
 
-using IntervalKey = std::array<double, 4>;
+SideKey KeyOf(const hyperpatch::Patch& patch, int value, int side)
+{
+  const auto& knots = patch.Body.Geometry().Knots();
+  const auto d = static_cast<std::size_t>(side / 2);
+  const hyperpatch::KnotVector& b = knots[d == 0 ? 1 : 0];
+  const hyperpatch::KnotVector& c = knots[d == 2 ? 1 : 2];
+  return { static_cast<double>(value), static_cast<double>(patch.Id), static_cast<double>(d),
+    side % 2 == 0 ? knots[d].First() : knots[d].Last(), b.First(), b.Last(), c.First(), c.Last() };
+}
+
+bool IsPart(const hyperpatch::Patch& patch)
+{
+  return patch.WholeSpans[0] > 0;
+}
+
+bool IsCut(const hyperpatch::Patch& patch, int side)
+{
+  return IsPart(patch) && !patch.IsDomainFace[static_cast<std::size_t>(side)];
+}
 
 }
 
@@ -70,6 +91,10 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
     options.Tolerance = tolerances.Position;
     options.AttributeTolerances = tolerances.Of(*task.On.Patch);
     options.Handedness = task.On.Handedness;
+    for (std::size_t side = 0; side < options.GoesOn.size(); ++side)
+    {
+      options.GoesOn[side] = !task.On.Patch->IsDomainFace[side];
+    }
     if (together)
     {
       options.For = this->KernelParallelFor();
@@ -78,79 +103,31 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
       std::make_unique<hyperpatch::ZeroSet>(task.On.Body, *task.Field, std::move(options)));
   }
 
-  double progress = 0.0;
-  std::vector<bool> stale(tasks.size(), true);
-  while (this->AnyRank(std::find(stale.begin(), stale.end(), true) != stale.end()))
+  const auto forAll = [&](const std::function<void(hyperpatch::ZeroSet&)>& work)
   {
-    // Every round is the costlier half of what is left.
-    const double next = progress + 0.5 * (1.0 - progress);
-    this->SetProgressRange(progress, next);
-    progress = next;
     if (together)
     {
-      for (std::size_t i = 0; i < tasks.size(); ++i)
+      for (const auto& zeroSet : zeroSets)
       {
-        if (stale[i])
-        {
-          zeroSets[i]->Extract();
-        }
+        work(*zeroSet);
       }
+      return;
     }
-    else
-    {
-      this->ParallelFor(static_cast<vtkIdType>(tasks.size()), 1,
-        [&zeroSets, &stale](vtkIdType begin, vtkIdType end)
-        {
-          for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-          {
-            if (stale[i])
-            {
-              zeroSets[i]->Extract();
-            }
-          }
-        });
-    }
-
-    // Parts of one patch take the larger counts of all its parts: no crack where they meet.
-    std::vector<double> records;
-    for (std::size_t i = 0; i < tasks.size(); ++i)
-    {
-      const hyperpatch::CellGrid& grid = zeroSets[i]->Grid();
-      const auto& wanted = zeroSets[i]->Wanted();
-      for (std::size_t d = 0; d < 3; ++d)
+    this->ParallelFor(static_cast<vtkIdType>(zeroSets.size()), 1,
+      [&](vtkIdType begin, vtkIdType end)
       {
-        for (std::size_t b = 0; b < wanted[d].size(); ++b)
+        for (vtkIdType i = begin; i < end; ++i)
         {
-          records.insert(records.end(),
-            { static_cast<double>(tasks[i].Value), static_cast<double>(tasks[i].On.Patch->Id),
-              static_cast<double>(d), grid.Breaks[d][b], static_cast<double>(wanted[d][b]) });
+          work(*zeroSets[static_cast<std::size_t>(i)]);
         }
-      }
-    }
-    records = this->AllGather(records);
-    std::map<IntervalKey, int> counts;
-    for (std::size_t r = 0; r < records.size(); r += RecordLength)
-    {
-      int& count = counts[{ records[r], records[r + 1], records[r + 2], records[r + 3] }];
-      count = std::max(count, static_cast<int>(records[r + 4]));
-    }
-    for (std::size_t i = 0; i < tasks.size(); ++i)
-    {
-      const hyperpatch::CellGrid& grid = zeroSets[i]->Grid();
-      auto& wanted = zeroSets[i]->Wanted();
-      for (std::size_t d = 0; d < 3; ++d)
-      {
-        for (std::size_t b = 0; b < wanted[d].size(); ++b)
-        {
-          wanted[d][b] = counts.at(
-            { static_cast<double>(tasks[i].Value), static_cast<double>(tasks[i].On.Patch->Id),
-              static_cast<double>(d), grid.Breaks[d][b] });
-        }
-      }
-      stale[i] = zeroSets[i]->Refine();
-    }
-  }
-  this->SetProgressRange(progress, 1.0);
+      });
+  };
+  this->AgreeOnRoots(tasks, zeroSets);
+  this->SetProgressRange(0.0, 0.3);
+  forAll([](hyperpatch::ZeroSet& zeroSet) { zeroSet.Search(); });
+  this->ExchangeNodes(tasks, zeroSets);
+  this->SetProgressRange(0.3, 1.0);
+  forAll([](hyperpatch::ZeroSet& zeroSet) { zeroSet.Finish(); });
 
   hyperpatch::ZeroSetCertificate certificate;
   for (std::size_t i = 0; i < tasks.size(); ++i)
@@ -179,7 +156,7 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
     array->InsertNextValue(value);
     fieldData->AddArray(array);
   };
-  addCount("CrossedCells", certificate.CrossedCells);
+  addCount("CertifiedCells", certificate.CertifiedCells);
   addCount("UndecidedCells", certificate.UndecidedCells);
   addNumber("LargestResidual", certificate.LargestResidual);
   addNumber("LargestError", certificate.LargestError);
@@ -198,6 +175,101 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
       << certificate.LargestError << " where " << tolerances.Position
       << " was asked for (attributes: " << certificate.LargestAttributeError
       << " times their tolerance)");
+  }
+}
+
+void vtkNURBSZeroSetAlgorithm::AgreeOnRoots(
+  const std::vector<Task>& tasks, const ZeroSets& zeroSets)
+{
+  // Parts of a patch with the same range in a direction have the same root boxes in it.
+  using Range = std::array<double, 5>;
+  const auto keyOf = [&tasks](std::size_t i, std::size_t d)
+  {
+    const hyperpatch::KnotVector& knots = tasks[i].On.Patch->Body.Geometry().Knots()[d];
+    return Range{ static_cast<double>(tasks[i].Value), static_cast<double>(tasks[i].On.Patch->Id),
+      static_cast<double>(d), knots.First(), knots.Last() };
+  };
+  std::vector<double> records;
+  for (std::size_t i = 0; i < tasks.size(); ++i)
+  {
+    for (std::size_t d = 0; d < 3 && IsPart(*tasks[i].On.Patch); ++d)
+    {
+      const Range key = keyOf(i, d);
+      records.insert(records.end(), key.begin(), key.end());
+      records.push_back(zeroSets[i]->Roots()[d]);
+    }
+  }
+  records = this->AllGather(records);
+  std::map<Range, int> roots;
+  for (std::size_t r = 0; r < records.size(); r += 6)
+  {
+    Range key{};
+    std::copy_n(&records[r], key.size(), key.begin());
+    int& count = roots[key];
+    count = std::max(count, static_cast<int>(records[r + 5]));
+  }
+  for (std::size_t i = 0; i < tasks.size(); ++i)
+  {
+    if (IsPart(*tasks[i].On.Patch))
+    {
+      zeroSets[i]->SetRoots(
+        { roots[keyOf(i, 0)], roots[keyOf(i, 1)], roots[keyOf(i, 2)] }, { false, false, false });
+    }
+  }
+}
+
+void vtkNURBSZeroSetAlgorithm::ExchangeNodes(
+  const std::vector<Task>& tasks, const ZeroSets& zeroSets)
+{
+  // Until nobody learns anything new: news travel around edges, from part to part.
+  for (bool news = true; this->AnyRank(news);)
+  {
+    news = false;
+    std::vector<double> records;
+    for (std::size_t i = 0; i < tasks.size(); ++i)
+    {
+      const hyperpatch::Patch& patch = *tasks[i].On.Patch;
+      for (int side = 0; side < hyperpatch::NumberOfSides; ++side)
+      {
+        if (!IsCut(patch, side))
+        {
+          continue;
+        }
+        const auto nodes = zeroSets[i]->NodesOn(side);
+        const SideKey key = KeyOf(patch, tasks[i].Value, side);
+        records.insert(records.end(), key.begin(), key.end());
+        records.push_back(static_cast<double>(nodes.size()));
+        for (const auto& node : nodes)
+        {
+          records.insert(
+            records.end(), { static_cast<double>(node[0]), static_cast<double>(node[1]) });
+        }
+      }
+    }
+    records = this->AllGather(records);
+    std::map<SideKey, std::vector<std::array<int, 2>>> nodesOf;
+    for (std::size_t r = 0; r < records.size();)
+    {
+      SideKey key{};
+      std::copy_n(&records[r], SideKeyLength, key.begin());
+      r += SideKeyLength;
+      auto& nodes = nodesOf[key];
+      for (auto left = static_cast<std::size_t>(records[r++]); left > 0; --left, r += 2)
+      {
+        nodes.push_back({ static_cast<int>(records[r]), static_cast<int>(records[r + 1]) });
+      }
+    }
+    for (std::size_t i = 0; i < tasks.size(); ++i)
+    {
+      const hyperpatch::Patch& patch = *tasks[i].On.Patch;
+      for (int side = 0; side < hyperpatch::NumberOfSides; ++side)
+      {
+        if (IsCut(patch, side))
+        {
+          news = zeroSets[i]->AddNodes(side, nodesOf[KeyOf(patch, tasks[i].Value, side)]) || news;
+        }
+      }
+    }
   }
 }
 

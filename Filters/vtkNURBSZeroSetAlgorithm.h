@@ -10,11 +10,12 @@
  * Output: vtkPolyData: triangles in volumes, line segments in surfaces, vertices on curves, with
  * the arrays of vtkNURBSMeshAlgorithm. Normals point to growing f and do not flip where a volume is
  * folded; triangles turn counter-clockwise around them. Field data, one number each:
- * - `CrossedCells`: parameter cells that hold a piece of the surface
- * - `UndecidedCells`: parameter cells where a zero can neither be excluded nor was seen
+ * - `CertifiedCells`: parameter boxes that hold a piece of the surface, proven to be one sheet
+ * - `UndecidedCells`: parameter boxes where a zero can neither be excluded nor be proven to be a
+ *   simple sheet; no wider than the tolerance unless the limit of refinement came first
  * - `LargestResidual`: of |f| at the points, relative to the largest |f| near the surface; what is
  *   within the rounding error of f counts as 0
- * - `LargestError`: measured distance between mesh and exact zero set, at midpoints
+ * - `LargestError`: measured distance between mesh and exact zero set, inside every cell
  * - `ToleranceReached`: 0 where the limit of refinement came first (a warning says so too)
  */
 #ifndef vtkNURBSZeroSetAlgorithm_h
@@ -24,6 +25,7 @@
 #include "vtkNURBSMeshAlgorithm.h"
 
 #include <memory> // for fields
+#include <vector> // for fields
 
 class NURBSMeshOutput;
 class vtkFieldData;
@@ -32,6 +34,7 @@ namespace hyperpatch
 {
 class PreparedAggregate;
 class ScalarField;
+class ZeroSet;
 }
 
 class VTKNURBSFILTERS_EXPORT vtkNURBSZeroSetAlgorithm : public vtkNURBSMeshAlgorithm
@@ -78,6 +81,11 @@ protected:
 private:
   vtkNURBSZeroSetAlgorithm(const vtkNURBSZeroSetAlgorithm&) = delete;
   void operator=(const vtkNURBSZeroSetAlgorithm&) = delete;
+
+  /// Neighboring parts divide their common faces alike, so that no crack is between them.
+  using ZeroSets = std::vector<std::unique_ptr<hyperpatch::ZeroSet>>;
+  void AgreeOnRoots(const std::vector<Task>& tasks, const ZeroSets& zeroSets);
+  void ExchangeNodes(const std::vector<Task>& tasks, const ZeroSets& zeroSets);
 
   std::vector<PreparedPatch> Prepared;
 };

@@ -3,6 +3,7 @@
 
 #include "BezierExtractor.h"
 #include "Error.h"
+#include "JacobianSign.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,6 +25,25 @@ constexpr double UnitRoundoff = std::numeric_limits<double>::epsilon();
 std::array<std::vector<double>, 3> BreaksOf(const Spline& spline)
 {
   return { spline.Knots(0).Breaks(), spline.Knots(1).Breaks(), spline.Knots(2).Breaks() };
+}
+
+/// Interior knots that occur at least degree - `smoothness` times.
+std::array<std::vector<double>, 3> KnotsNoSmootherThan(const Spline& spline, int smoothness)
+{
+  std::array<std::vector<double>, 3> knots;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const KnotVector& k = spline.Knots()[d];
+    const std::vector<double> breaks = k.Breaks();
+    for (std::size_t b = 1; b + 1 < breaks.size(); ++b)
+    {
+      if (k.Multiplicity(breaks[b]) >= k.Degree() - smoothness)
+      {
+        knots[d].push_back(breaks[b]);
+      }
+    }
+  }
+  return knots;
 }
 
 /// The knot span of each direction that holds the box.
@@ -117,6 +137,25 @@ double DeterminantOrZero(const Eigen::Matrix3d& J, double operations)
 }
 
 ScalarField::~ScalarField() = default;
+
+bool ScalarField::Restrict(const ParameterBox& box, BoxSpline& f) const
+{
+  const std::array<std::vector<double>, 3> breaks = this->Breaks();
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const auto next = std::upper_bound(breaks[d].begin(), breaks[d].end(), box.Low[d]);
+    if (next != breaks[d].end() && *next < box.High[d])
+    {
+      return false;
+    }
+  }
+  const std::optional<Bernstein> polynomial = this->OnBox(box);
+  if (polynomial)
+  {
+    f.Assign(*polynomial);
+  }
+  return polynomial.has_value();
+}
 
 bool ScalarField::Excludes(const ParameterBox& /*box*/) const
 {
@@ -265,6 +304,11 @@ std::array<std::vector<double>, 3> QuadricField::Breaks() const
   return BreaksOf(this->S->Spline());
 }
 
+std::array<std::vector<double>, 3> QuadricField::Creases() const
+{
+  return KnotsNoSmootherThan(this->S->Spline(), 0);
+}
+
 std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
 {
   const Spline& spline = this->S->Spline();
@@ -337,6 +381,37 @@ std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
     }
   }
   return Bernstein(sum.Degrees(), sum.Coefficients(), sum.RoundingBound() + noise * largestWeight);
+}
+
+bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
+{
+  if (!this->Q.IsLinear())
+  {
+    return ScalarField::Restrict(box, f);
+  }
+  // Larger ones take longer than what they save.
+  constexpr double LargestWindow = 2000.0;
+  const Spline& spline = this->S->Spline();
+  if (BoxSpline::WindowVolume(spline, box) > LargestWindow)
+  {
+    return false;
+  }
+  const int m = spline.Components();
+  double terms = 0.0;
+  double largestWeight = 1.0;
+  const bool rational = spline.IsRational();
+  const double* points = spline.Coefficients().data();
+  const auto coefficient = [&](Eigen::Index i)
+  {
+    const double* x = points + m * i;
+    const double weight = rational ? spline.Weights()[i] : 1.0;
+    terms = std::max(terms, this->Q.Terms(x));
+    largestWeight = std::max(largestWeight, weight);
+    return weight * this->Q.Value(x);
+  };
+  f.Restrict(spline, box, coefficient);
+  f.AddNoise(UnitRoundoff * (Operations(spline) + 4 * (m + 2)) * terms * largestWeight);
+  return true;
 }
 
 bool QuadricField::Excludes(const ParameterBox& box) const
@@ -500,6 +575,16 @@ std::array<std::vector<double>, 3> JacobianField::Breaks() const
   return BreaksOf(this->S->Spline());
 }
 
+std::array<std::vector<double>, 3> JacobianField::Creases() const
+{
+  return KnotsNoSmootherThan(this->S->Spline(), 1);
+}
+
+bool JacobianField::Excludes(const ParameterBox& box) const
+{
+  return JacobianSign(this->S->Spline(), box) != 0;
+}
+
 std::optional<Bernstein> JacobianField::OnBox(const ParameterBox& box) const
 {
   const BezierBox bezier = OnBezierBox(this->S->Spline(), box);
@@ -558,6 +643,11 @@ void SampledField::EvaluateWithGradient(
 std::array<std::vector<double>, 3> SampledField::Breaks() const
 {
   return BreaksOf(this->S->Spline());
+}
+
+std::array<std::vector<double>, 3> SampledField::Creases() const
+{
+  return KnotsNoSmootherThan(this->S->Spline(), 0);
 }
 
 std::optional<Bernstein> SampledField::OnBox(const ParameterBox& /*box*/) const

@@ -3,6 +3,7 @@
 #define hyperpatch_ScalarField_h
 
 #include "Bernstein.h"
+#include "BoxSpline.h"
 #include "Prepared.h"
 
 #include <Eigen/Dense>
@@ -42,9 +43,19 @@ public:
   /// The parameters per direction between which f is one polynomial, ends of the domain included.
   [[nodiscard]] virtual std::array<std::vector<double>, 3> Breaks() const = 0;
 
+  /// The breaks inside the domain at which f has a kink or a jump.
+  [[nodiscard]] virtual std::array<std::vector<double>, 3> Creases() const = 0;
+
+  /// Whether f is a piecewise polynomial, so that OnBox() gives one.
+  [[nodiscard]] virtual bool HasBounds() const { return true; }
+
   /// f, up to a positive factor, on a box that lies between breaks, as a polynomial on the unit
   /// cube. Nothing where f is no polynomial: then no cell can be excluded or certified.
   [[nodiscard]] virtual std::optional<Bernstein> OnBox(const ParameterBox& box) const = 0;
+
+  /// f, up to a positive factor, on a box inside which nothing has a crease, as a spline.
+  /// \returns false where that is not known: on a smaller box it may be
+  virtual bool Restrict(const ParameterBox& box, BoxSpline& f) const;
 
   /// True if f certainly has no zero on the box, which may be of any size; cheap, may be false.
   [[nodiscard]] virtual bool Excludes(const ParameterBox& box) const;
@@ -87,7 +98,9 @@ public:
   void EvaluateWithGradient(
     std::size_t count, const double* parameters, double* values, double* gradients) const override;
   [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
+  [[nodiscard]] std::array<std::vector<double>, 3> Creases() const override;
   [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
+  bool Restrict(const ParameterBox& box, BoxSpline& f) const override;
   [[nodiscard]] bool Excludes(const ParameterBox& box) const override;
   void Snap(std::size_t count, double* points) const override;
 
@@ -117,7 +130,9 @@ public:
   void EvaluateWithGradient(
     std::size_t count, const double* parameters, double* values, double* gradients) const override;
   [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
+  [[nodiscard]] std::array<std::vector<double>, 3> Creases() const override;
   [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
+  [[nodiscard]] bool Excludes(const ParameterBox& box) const override;
 
 private:
   std::shared_ptr<const PreparedSpline> S;
@@ -138,6 +153,8 @@ public:
   void EvaluateWithGradient(
     std::size_t count, const double* parameters, double* values, double* gradients) const override;
   [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
+  [[nodiscard]] std::array<std::vector<double>, 3> Creases() const override;
+  [[nodiscard]] bool HasBounds() const override { return false; }
   [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
 
 private:

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace hyperpatch
@@ -14,33 +13,59 @@ namespace hyperpatch
 namespace
 {
 
-/// Breaks of several bases as one ascending list; those that differ by round-off count as one.
-std::vector<double> MergeBreaks(std::vector<double> all)
+/// A break of several bases; `IsCrease` if any of them is only C0 there.
+struct Break
 {
-  std::sort(all.begin(), all.end());
-  const double same = 1e-12 * (all.back() - all.front());
-  std::vector<double> merged{ all.front() };
-  for (double b : all)
+  double At;
+  bool IsCrease;
+};
+
+/// Breaks that differ by round-off count as one.
+void Merge(std::vector<Break>& all)
+{
+  std::sort(all.begin(), all.end(), [](const Break& a, const Break& b) { return a.At < b.At; });
+  const double same = 1e-12 * (all.back().At - all.front().At);
+  const double last = all.back().At;
+  std::size_t kept = 0;
+  for (const Break& b : all)
   {
-    if (b - merged.back() > same)
+    if (kept > 0 && b.At - all[kept - 1].At <= same)
     {
-      merged.push_back(b);
+      all[kept - 1].IsCrease = all[kept - 1].IsCrease || b.IsCrease;
+    }
+    else
+    {
+      all[kept++] = b;
     }
   }
-  merged.back() = all.back();
-  return merged;
+  all.resize(kept);
+  all.back().At = last;
 }
+
+/// No more root cells per direction than this for each in the shortest one.
+constexpr double LargestAspect = 64.0;
 
 }
 
 void ZeroSetCertificate::Add(const ZeroSetCertificate& other)
 {
-  this->CrossedCells += other.CrossedCells;
+  this->CertifiedCells += other.CertifiedCells;
   this->UndecidedCells += other.UndecidedCells;
   this->LargestResidual = std::max(this->LargestResidual, other.LargestResidual);
   this->LargestError = std::max(this->LargestError, other.LargestError);
   this->LargestAttributeError = std::max(this->LargestAttributeError, other.LargestAttributeError);
   this->ToleranceReached = this->ToleranceReached && other.ToleranceReached;
+}
+
+std::size_t ZeroSet::Worker::HashNode::operator()(const std::array<int, 4>& key) const
+{
+  std::uint64_t hash = 0;
+  for (const int k : key)
+  {
+    hash = (hash ^ static_cast<std::uint32_t>(k)) * 0x9E3779B97F4A7C15u;
+    hash ^= hash >> 29;
+  }
+  return static_cast<std::size_t>(hash);
 }
 
 ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const ScalarField& field,
@@ -51,46 +76,120 @@ ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const
   , Options(std::move(options))
   , Geometry(this->Prepared->Geometry()->Evaluator())
 {
-  const Aggregate& body = this->Body;
-  std::array<std::vector<double>, 3> breaks = field.Breaks();
+  this->Options.AttributeTolerances.resize(this->Body.Attributes().size(), 0.0);
+  std::array<std::vector<Break>, 3> breaks;
   const auto add = [&breaks](const Spline& spline)
   {
     for (std::size_t d = 0; d < 3; ++d)
     {
-      const std::vector<double> more = spline.Knots()[d].Breaks();
-      breaks[d].insert(breaks[d].end(), more.begin(), more.end());
+      for (const double b : spline.Knots()[d].Breaks())
+      {
+        breaks[d].push_back({ b, false });
+      }
+      for (const double c : spline.Knots()[d].Creases())
+      {
+        breaks[d].push_back({ c, true });
+      }
     }
   };
-  add(body.Geometry());
-  for (const auto& attribute : this->Prepared->Attributes())
+  const Spline& geometry = this->Body.Geometry();
+  add(geometry);
+  for (std::size_t a = 0; a < this->Prepared->Attributes().size(); ++a)
   {
+    const auto& attribute = this->Prepared->Attributes()[a];
     this->Attributes.push_back(&attribute->Evaluator());
-    add(attribute->Spline());
+    if (this->Options.AttributeTolerances[a] > 0.0)
+    {
+      add(attribute->Spline());
+    }
+  }
+  const std::array<std::vector<double>, 3> creases = field.Creases();
+  const std::array<std::vector<double>, 3> own = field.Breaks();
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    for (const double b : own[d])
+    {
+      breaks[d].push_back({ b, false });
+    }
+    for (const double c : creases[d])
+    {
+      breaks[d].push_back({ c, true });
+    }
+  }
+
+  // Root cells that are about cubes: lengths of the lines through the middle of the domain.
+  std::array<double, 3> length{};
+  double shortest = INFINITY;
+  for (int d = 0; d < 3; ++d)
+  {
+    const KnotVector& knots = geometry.Knots(d);
+    this->Low[d] = knots.First();
+    this->High[d] = knots.Last();
+  }
+  for (int d = 0; d < 3; ++d)
+  {
+    if (geometry.Knots(d).Degree() == 0)
+    {
+      continue;
+    }
+    this->Axes.push_back(d);
+    constexpr int Steps = 8;
+    Eigen::Matrix3Xd parameters(3, Steps + 1);
+    Eigen::MatrixXd points(geometry.Components(), Steps + 1);
+    for (int i = 0; i <= Steps; ++i)
+    {
+      parameters.col(i) = 0.5 * (this->Low + this->High);
+      parameters(d, i) = this->Low[d] + i * (this->High[d] - this->Low[d]) / Steps;
+    }
+    this->Geometry.Evaluate(Steps + 1, parameters.data(), points.data());
+    double& sum = length[static_cast<std::size_t>(d)];
+    for (int i = 1; i <= Steps; ++i)
+    {
+      sum += (points.col(i) - points.col(i - 1)).norm();
+    }
+    shortest = sum > 0.0 ? std::min(shortest, sum) : shortest;
   }
   for (int d = 0; d < 3; ++d)
   {
     const auto D = static_cast<std::size_t>(d);
-    const KnotVector& knots = body.Geometry().Knots(d);
-    this->Grid.Breaks[D] = MergeBreaks(breaks[D]);
-    if (knots.Degree() > 0)
+    if (geometry.Knots(d).Degree() == 0)
     {
-      this->Axes.push_back(d);
-      this->Grid.Counts[D].assign(this->Grid.Breaks[D].size() - 1, 1);
-      this->Creases[D] = knots.Creases();
-      this->Creases[D].push_back(knots.First());
-      this->Creases[D].push_back(knots.Last());
+      this->Lines[D] = CellLines(this->Low[d]);
+      continue;
     }
+    Merge(breaks[D]);
+    std::vector<double> at;
+    std::vector<bool> isCrease;
+    for (const Break& b : breaks[D])
+    {
+      at.push_back(b.At);
+      isCrease.push_back(b.IsCrease);
+    }
+    const double aspect = length[D] > 0.0 ? length[D] / shortest : 1.0;
+    this->Roots[D] = static_cast<int>(std::min(LargestAspect, aspect) + 0.5);
+    this->DomainWidth = std::max(this->DomainWidth, length[D]);
+    this->BreakAt[D] = std::move(at);
+    this->IsCreaseAt[D] = std::move(isCrease);
   }
-  this->Options.AttributeTolerances.resize(body.Attributes().size(), 0.0);
-  if (this->Options.FeatureSize <= 0.0)
+  this->MakeLines({ false, false, false });
+}
+
+void ZeroSet::Worker::MakeLines(const std::array<bool, 3>& mirrored)
+{
+  for (const int d : this->Axes)
   {
-    this->Options.FeatureSize = 16.0 * this->Options.Tolerance;
+    const auto D = static_cast<std::size_t>(d);
+    this->Lines[D] = CellLines(this->BreakAt[D], this->IsCreaseAt[D], this->Roots[D], mirrored[D]);
   }
-  this->Wanted = this->Grid.Counts;
+  this->Scale = this->High - this->Low;
+  for (const int d : this->Axes)
+  {
+    this->Scale[d] /= this->Lines[static_cast<std::size_t>(d)].NumberOfRoots();
+  }
 }
 
 bool ZeroSet::Worker::Parallel(
-  Index count, Index grain, const std::function<void(Index, Index)>& body)
+  Index count, Index grain, const std::function<void(Index, Index)>& body) const
 {
   // Chunks begin at multiples of the grain whatever the threads do: some results go by chunk.
   this->Options.For(static_cast<std::ptrdiff_t>((count + grain - 1) / grain), 1,
@@ -104,63 +203,13 @@ bool ZeroSet::Worker::Parallel(
   return !this->Options.Abort();
 }
 
-void ZeroSet::Worker::MakeLines()
+bool ZeroSet::Worker::Finish()
 {
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    this->Lines[d].clear();
-    this->IntervalOfLine[d].clear();
-    const std::vector<double>& breaks = this->Grid.Breaks[d];
-    const std::vector<int>& counts = this->Grid.Counts[d];
-    for (std::size_t b = 0; b < counts.size(); ++b)
-    {
-      for (int i = 0; i < counts[b]; ++i)
-      {
-        const double t = static_cast<double>(i) / counts[b];
-        this->Lines[d].push_back(i == 0 ? breaks[b] : breaks[b] + t * (breaks[b + 1] - breaks[b]));
-        this->IntervalOfLine[d].push_back(static_cast<int>(b));
-      }
-    }
-    this->Lines[d].push_back(counts.empty() ? breaks.front() : breaks.back());
-    this->IntervalOfLine[d].push_back(std::max(0, static_cast<int>(counts.size()) - 1));
-    this->Counts[d] = static_cast<Index>(this->Lines[d].size());
-  }
-}
-
-bool ZeroSet::Worker::Extract()
-{
-  this->Certificate = ZeroSetCertificate();
-  this->Wanted = this->Grid.Counts;
-  this->MakeLines();
-  if (!this->FindCrossings() || !this->FindVertices() || !this->EvaluateVertices())
+  if (!this->Trace() || !this->Fill())
   {
     return false;
   }
-  this->MakeCells();
-  this->DropUnusedPoints();
-  if (!this->MeasureErrors())
-  {
-    return false;
-  }
-  // Where the surface is not smooth no refinement helps: stop before memory does.
-  double growth = 1.0;
-  for (int d : this->Axes)
-  {
-    const auto D = static_cast<std::size_t>(d);
-    const auto sum = [](const std::vector<int>& counts)
-    { return std::accumulate(counts.begin(), counts.end(), 0.0); };
-    growth *= sum(this->Wanted[D]) / sum(this->Grid.Counts[D]);
-  }
-  const double surface = std::pow(growth, 1.0 - 1.0 / static_cast<double>(this->Axes.size()));
-  const auto cells = static_cast<double>(
-    this->Certificate.CrossedCells + this->Certificate.UndecidedCells - this->Sampled);
-  const bool tooMany = cells * surface > this->Options.MaximumCells ||
-    static_cast<double>(this->Sampled) * growth > 8.0 * this->Options.MaximumCells;
-  if (tooMany && this->Wanted != this->Grid.Counts)
-  {
-    this->Wanted = this->Grid.Counts;
-    this->Certificate.ToleranceReached = false;
-  }
+  this->Assemble();
   return true;
 }
 
@@ -177,26 +226,40 @@ ZeroSet::ZeroSet(
 
 ZeroSet::~ZeroSet() = default;
 
-const CellGrid& ZeroSet::Grid() const
-{
-  return this->W->Grid;
-}
-
-std::array<std::vector<int>, 3>& ZeroSet::Wanted()
-{
-  return this->W->Wanted;
-}
-
-bool ZeroSet::Refine()
-{
-  const bool changed = this->W->Grid.Counts != this->W->Wanted;
-  this->W->Grid.Counts = this->W->Wanted;
-  return changed;
-}
-
 bool ZeroSet::Extract()
 {
-  return this->W->Extract();
+  return this->Search() && this->Finish();
+}
+
+const std::array<int, 3>& ZeroSet::Roots() const
+{
+  return this->W->Roots;
+}
+
+void ZeroSet::SetRoots(const std::array<int, 3>& roots, const std::array<bool, 3>& mirrored)
+{
+  this->W->Roots = roots;
+  this->W->MakeLines(mirrored);
+}
+
+bool ZeroSet::Search()
+{
+  return this->W->Search();
+}
+
+std::vector<std::array<int, 2>> ZeroSet::NodesOn(int side) const
+{
+  return this->W->NodesOn(side);
+}
+
+bool ZeroSet::AddNodes(int side, const std::vector<std::array<int, 2>>& nodes)
+{
+  return this->W->AddNodes(side, nodes);
+}
+
+bool ZeroSet::Finish()
+{
+  return this->W->Finish();
 }
 
 const ZeroSetMesh& ZeroSet::Mesh() const

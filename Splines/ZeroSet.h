@@ -24,15 +24,13 @@ struct ZeroSetOptions
   /// Largest difference, per component, between linear interpolation in a cell and the exact value;
   /// one number per attribute of the patch, 0 where it does not matter, or empty.
   std::vector<double> AttributeTolerances;
-  /// Cells wider than this whose bounds leave open whether f vanishes in them are refined, narrower
-  /// ones are counted as undecided. 0: 16 times the tolerance.
-  double FeatureSize = 0.0;
-  /// A knot span is divided at most into so many cells in each direction.
-  int MaximumSubdivision = 256;
-  /// No refinement that would give about more crossed cells than this.
-  double MaximumCells = 1e6;
+  /// No more than about so many undecided cells are refined further, and so many cells of the mesh
+  /// are made.
+  double MaximumCells = 2e7;
   /// +1 or -1: the sign of det J of the patch, which orients normals and cells.
   int Handedness = 1;
+  /// Per side (0..5), whether the model goes on beyond it: cuts between parts, interfaces.
+  std::array<bool, 6> GoesOn{};
   ParallelFor For = SerialFor;
   /// Called between steps and, on one thread, inside long ones; true stops the work.
   std::function<bool()> Abort = [] { return false; };
@@ -41,11 +39,15 @@ struct ZeroSetOptions
 /// What is known, and what is not, about a zero-set mesh.
 struct ZeroSetCertificate
 {
-  std::int64_t CrossedCells = 0;   ///< cells that hold a piece of the mesh
-  std::int64_t UndecidedCells = 0; ///< no sign change at corners, yet bounds do not exclude a zero;
-                                   ///< or f has no bounds
-  double LargestResidual = 0.0;    ///< of |f| at vertices over the largest |f| at cell corners
-  double LargestError = 0.0;       ///< physical distance, measured at midpoints of edges and cells
+  /// Parameter boxes that hold a piece of the mesh and in which the gradient test proves that the
+  /// zero set is one sheet, a graph over a coordinate plane.
+  std::int64_t CertifiedCells = 0;
+  /// Parameter boxes, no wider than the tolerance unless a maximum stopped refinement, in which a
+  /// zero can neither be excluded nor proven to be a simple sheet; all boxes where f has no bounds.
+  std::int64_t UndecidedCells = 0;
+  std::int64_t Failed = 0;
+  double LargestResidual = 0.0;       ///< of |f| at vertices over the largest |f| at box corners
+  double LargestError = 0.0;          ///< physical distance, measured inside every cell
   double LargestAttributeError = 0.0; ///< as a multiple of its tolerance
   bool ToleranceReached = true;       ///< false where a maximum stopped refinement
 
@@ -54,6 +56,9 @@ struct ZeroSetCertificate
 };
 
 /// A zero set as a mesh: triangles in a volume, segments in a surface, points on a curve.
+///
+/// Along creases (knot planes where the geometry, the field or an attribute is only C0) points
+/// occur once per side, with the same bits in their coordinates and the normal of their side.
 struct ZeroSetMesh
 {
   Eigen::Matrix3Xd Parameters;             ///< in the patch's own knots
@@ -63,32 +68,23 @@ struct ZeroSetMesh
   /// axes x cells (3, 2 or 1 rows) of point indices; they turn counter-clockwise around the
   /// normals.
   Eigen::Matrix<std::int64_t, Eigen::Dynamic, Eigen::Dynamic> Cells;
-  /// Per cell, the non-empty knot span of the geometry in each direction, counted from 0.
+  /// Per cell, the non-empty knot span of the geometry in each direction, counted from 0, that
+  /// holds its centre.
   Eigen::Matrix3Xi Elements;
 };
 
-/// The grid of cells that a zero set is extracted on: every interval between two breaks is divided
-/// into `Counts` equal parts. The same counts on both sides of a break plane, patch interface or
-/// cut between pieces leave no crack.
-struct CellGrid
-{
-  std::array<std::vector<double>, 3> Breaks; ///< of geometry, field and attributes together
-  std::array<std::vector<int>, 3> Counts;    ///< one per interval
-};
-
-/// The zero set of a field on one patch.
+/// The zero set of a field on one patch, to a tolerance.
 ///
-/// Extract() works on the current grid: boxes that the convex hull property excludes are dropped by
-/// bisection down to single cells; the others are polygonised from the signs at their corners, with
-/// vertices on f = 0 to round-off, found on the edges of cells. It then measures the error of the
-/// mesh and asks for the counts that would meet the tolerances. The caller repeats (and, where a
-/// patch is spread over processes, takes the larger counts of all) until nothing more is wanted:
-///
-///   ZeroSet zeroSet(patch.Body, field, options);
-///   while (zeroSet.Extract() && zeroSet.Refine()) {}
-///
-/// Cost is proportional to the number of spans (a cheap hull test each) plus the cells near the
-/// surface.
+/// An octree of parameter boxes is refined until, on each leaf, either the hull of f excludes a
+/// zero, or the hull of one partial derivative of f does, so that the zero set is one sheet, a
+/// graph in that direction. The same holds on the faces that lie in the domain's boundary or in
+/// creases, for f restricted to them. (A weaker test than that of Plantinga & Vegter 2004, which
+/// needs no balanced tree: bulges of a sheet through a face or edge between leaves stay sheets.)
+/// Leaves may hold many knot spans or a small part of one. The sheet meets the faces between leaves
+/// in curves that both sides share; inside its leaf it is meshed by a constrained Delaunay
+/// triangulation in the metric of its curvature and of the attributes. Vertices are on f = 0 to
+/// round-off, the error of each cell is measured, and cells that miss the tolerance get more
+/// vertices.
 class ZeroSet
 {
 public:
@@ -99,15 +95,31 @@ public:
     ZeroSetOptions options);
   ~ZeroSet();
 
-  /// The grid of the next extraction.
-  [[nodiscard]] const CellGrid& Grid() const;
-  /// After Extract(): the counts wanted next. Equal to Grid().Counts where all is well.
-  [[nodiscard]] std::array<std::vector<int>, 3>& Wanted();
-  /// Makes the wanted counts the grid's. False where they are already.
-  bool Refine();
-
-  /// False if aborted.
+  /// All at once, for a patch alone. False if aborted.
   bool Extract();
+
+  /// Patches that meet, or parts of one, give a surface without cracks if their boxes are halved
+  /// alike on the common face. For that they need the same lines in it, which follow from the
+  /// breaks and from the numbers of root boxes; and each has to know where the other halved.
+  ///
+  ///   a.SetRoots(...), b.SetRoots(...);             // the same along the face
+  ///   a.Search(), b.Search();
+  ///   b.AddNodes(side of b, a.NodesOn(side of a));  // and back
+  ///   a.Finish(), b.Finish();
+  ///
+  /// The number of root boxes per direction, 0 for one that is not there; creases come on top.
+  [[nodiscard]] const std::array<int, 3>& Roots() const;
+  /// \param mirrored per direction, whether lines are counted from the end
+  void SetRoots(const std::array<int, 3>& roots, const std::array<bool, 3>& mirrored);
+  /// False if aborted.
+  bool Search();
+  /// Where boxes have corners on a side (0..5): line numbers in the two other directions,
+  /// ascending.
+  [[nodiscard]] std::vector<std::array<int, 2>> NodesOn(int side) const;
+  /// \returns whether any of them is new
+  bool AddNodes(int side, const std::vector<std::array<int, 2>>& nodes);
+  /// False if aborted.
+  bool Finish();
 
   [[nodiscard]] const ZeroSetMesh& Mesh() const;
   [[nodiscard]] const ZeroSetCertificate& Certificate() const;

@@ -10,285 +10,217 @@
 namespace hyperpatch
 {
 
-bool ZeroSet::Worker::EvaluateVertices()
-{
-  const Index count = this->Mesh.Parameters.cols();
-  const int m = this->Geometry.Components();
-  this->Mesh.Points.setZero(3, count);
-  this->Mesh.Normals.setZero(3, count);
-  this->Mesh.Attributes.resize(this->Attributes.size());
-  for (std::size_t a = 0; a < this->Attributes.size(); ++a)
-  {
-    this->Mesh.Attributes[a].resize(this->Attributes[a]->Components(), count);
-  }
-  return this->Parallel(count, Batch,
-    [&](Index begin, Index end)
-    {
-      const auto n = static_cast<std::size_t>(end - begin);
-      const double* parameters = this->Mesh.Parameters.col(begin).data();
-      Eigen::MatrixXd points(m, end - begin);
-      Eigen::MatrixXd derivatives(3 * m, end - begin);
-      std::vector<double> values(n);
-      Eigen::Matrix3Xd gradients(3, end - begin);
-      this->Geometry.EvaluateWithDerivatives(n, parameters, points.data(), derivatives.data());
-      this->Mesh.Points.block(0, begin, m, end - begin) = points;
-      this->Field.EvaluateWithGradient(n, parameters, values.data(), gradients.data());
-      this->Field.Snap(n, this->Mesh.Points.col(begin).data());
-      for (std::size_t a = 0; a < this->Attributes.size(); ++a)
-      {
-        this->Attributes[a]->Evaluate(n, parameters, this->Mesh.Attributes[a].col(begin).data());
-      }
-      for (Index i = 0; i < end - begin; ++i)
-      {
-        Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
-        for (int d = 0; d < 3; ++d)
-        {
-          J.col(d).head(m) = derivatives.block(d * m, i, m, 1);
-        }
-        // cof(J) grad f: the physical gradient times det J, so it does not flip across folds.
-        Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-        if (this->Axes.size() == 3)
-        {
-          const Eigen::Vector3d g = gradients.col(i);
-          normal = this->Options.Handedness *
-            (g[0] * J.col(1).cross(J.col(2)) + g[1] * J.col(2).cross(J.col(0)) +
-              g[2] * J.col(0).cross(J.col(1)));
-        }
-        else if (this->Axes.size() == 2)
-        {
-          normal = J.col(this->Axes[0]).cross(J.col(this->Axes[1]));
-        }
-        const double norm = normal.norm();
-        this->Mesh.Normals.col(begin + i) = norm > 0.0 ? Eigen::Vector3d(normal / norm) : normal;
-      }
-    });
-}
-
-void ZeroSet::Worker::Triangulate(const std::vector<Index>& ring,
-  const std::vector<CellEdge>& edges, std::vector<std::array<Index, 3>>& triangles) const
-{
-  // The triangulation with the least sum of squared diagonals: flat, well shaped, the same on any
-  // thread. A diagonal inside a face of the cell is forbidden where there is another way: the
-  // neighbour might draw it too. Klincsek's dynamic program; polygons are short.
-  constexpr std::size_t Most = 16;
-  const std::size_t n = ring.size();
-  std::array<std::array<double, Most>, Most> cost{};
-  std::array<std::array<std::size_t, Most>, Most> apex{};
-  const auto weight = [&](std::size_t i, std::size_t j)
-  {
-    if (j - i == 1 || j - i == n - 1)
-    {
-      return 0.0;
-    }
-    bool inFace = false;
-    for (int a = 0; a < 3; ++a)
-    {
-      inFace = inFace ||
-        (a != edges[i].Axis && a != edges[j].Axis &&
-          ((edges[i].Corner ^ edges[j].Corner) >> a & 1) == 0);
-    }
-    const double square =
-      (this->Mesh.Points.col(ring[i]) - this->Mesh.Points.col(ring[j])).squaredNorm();
-    return inFace ? 1e100 : square;
-  };
-  for (std::size_t length = 2; length < n; ++length)
-  {
-    for (std::size_t i = 0; i + length < n; ++i)
-    {
-      const std::size_t j = i + length;
-      cost[i][j] = INFINITY;
-      for (std::size_t k = i + 1; k < j; ++k)
-      {
-        const double sum = cost[i][k] + cost[k][j] + weight(i, k) + weight(k, j);
-        if (sum < cost[i][j])
-        {
-          cost[i][j] = sum;
-          apex[i][j] = k;
-        }
-      }
-    }
-  }
-  triangles.clear();
-  const std::function<void(std::size_t, std::size_t)> cut = [&](std::size_t i, std::size_t j)
-  {
-    if (j - i < 2)
-    {
-      return;
-    }
-    const std::size_t k = apex[i][j];
-    if (ring[i] != ring[k] && ring[k] != ring[j] && ring[j] != ring[i])
-    {
-      triangles.push_back({ ring[i], ring[k], ring[j] });
-    }
-    cut(i, k);
-    cut(k, j);
-  };
-  cut(0, n - 1);
-}
-
-void ZeroSet::Worker::MakeCells()
+void ZeroSet::Worker::Assemble()
 {
   const int axes = static_cast<int>(this->Axes.size());
+  // Cells as shared points >= 0 or inner points of all pieces together < 0.
   std::vector<Index> indices;
-  this->CellOfPiece.clear();
-  std::vector<Index> ring;
-  std::vector<CellEdge> edges;
-  std::vector<std::array<Index, 3>> triangles;
-  const auto vertexOf = [&](const CrossedCell& cell, const CellEdge& edge)
+  std::vector<std::size_t> leafOf; // per cell
+  Index inner = 0;
+  std::vector<Index> firstInner(this->Pieces.size());
+  for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
   {
-    const int other = edge.Corner | 1 << edge.Axis;
-    const bool low = cell.Zero >> edge.Corner & 1u;
-    const bool high = cell.Zero >> other & 1u;
-    const int from = high ? other : edge.Corner;
-    Cell corner = cell.At;
-    for (int b = 0; b < axes; ++b)
+    const Facets& piece = this->Pieces[leaf];
+    firstInner[leaf] = inner;
+    for (const auto& cell : piece.Cells)
     {
-      corner[static_cast<std::size_t>(this->Axes[static_cast<std::size_t>(b)])] += from >> b & 1;
+      for (const Index corner : cell)
+      {
+        indices.push_back(corner < 0 ? corner - inner : corner);
+      }
+      leafOf.push_back(leaf);
     }
-    const int axis = low || high ? 3 : this->Axes[static_cast<std::size_t>(edge.Axis)];
-    const Index key = 4 * this->Corner(corner) + axis;
-    return static_cast<Index>(std::lower_bound(this->Vertices.begin(), this->Vertices.end(), key,
-                                [](const Crossing& c, Index k) { return c.Key < k; }) -
-      this->Vertices.begin());
-  };
-  const auto add = [&](const Cell& at, std::initializer_list<Index> cell)
+    inner += piece.Inner.Count();
+    this->Certificate.CertifiedCells +=
+      this->Leaves[leaf].IsCertified && !piece.Cells.empty() ? 1 : 0;
+    this->Certificate.LargestError = std::max(this->Certificate.LargestError, piece.Error);
+    this->Certificate.LargestAttributeError =
+      std::max(this->Certificate.LargestAttributeError, piece.AttributeError);
+    this->Certificate.ToleranceReached =
+      this->Certificate.ToleranceReached && piece.IsWithinTolerance;
+    this->Certificate.Failed += piece.Failed;
+  }
+  if (axes == 2)
   {
-    indices.insert(indices.end(), cell);
-    this->CellOfPiece.push_back(at);
-  };
-  const auto point = [this](Index v) { return this->Mesh.Points.col(v); };
-  for (const CrossedCell& cell : this->Crossed)
-  {
-    for (const std::vector<CellEdge>& piece : PiecesOfCell(axes, cell.Positive))
+    for (const Curve& curve : this->Curves)
     {
-      ring.clear();
-      edges.clear();
-      for (const CellEdge& edge : piece)
+      Index from = curve.From;
+      for (Index i = 0; i <= curve.Count; ++i)
       {
-        const Index v = vertexOf(cell, edge);
-        if (ring.empty() || ring.back() != v)
-        {
-          ring.push_back(v);
-          edges.push_back(edge);
-        }
-      }
-      while (ring.size() > 1 && ring.front() == ring.back())
-      {
-        ring.pop_back();
-        edges.pop_back();
-      }
-      if (axes == 1)
-      {
-        add(cell.At, { ring[0] });
-      }
-      else if (axes == 2 && ring.size() == 2)
-      {
-        add(cell.At, { ring[0], ring[1] });
-      }
-      else if (axes == 3 && ring.size() >= 3)
-      {
-        this->Triangulate(ring, edges, triangles);
-        for (const auto& [a, b, c] : triangles)
-        {
-          if (this->Options.Handedness > 0)
-          {
-            add(cell.At, { a, b, c });
-          }
-          else
-          {
-            add(cell.At, { a, c, b });
-          }
-        }
+        const Index to = i < curve.Count ? curve.First + i : curve.To;
+        indices.insert(indices.end(), { from, to });
+        leafOf.push_back(0);
+        from = to;
       }
     }
   }
-  const auto count = static_cast<Index>(this->CellOfPiece.size());
+  else if (axes == 1)
+  {
+    for (Index v = 0; v < static_cast<Index>(this->Vertices.size()); ++v)
+    {
+      indices.push_back(v);
+      leafOf.push_back(0);
+    }
+  }
+  const auto count = static_cast<Index>(leafOf.size());
+
+  // Shared points that are used, once per side of the creases they lie on.
+  const Index shared = this->Shared.Count();
+  std::vector<Index> place(static_cast<std::size_t>(shared), -1);
+  std::vector<std::pair<Index, int>> columns; // shared point, bits of the sides it is below of
+  std::unordered_map<std::array<int, 4>, Index, HashNode> copies;
+  const auto sidesOf = [&](Index point, std::size_t leaf)
+  {
+    int below = 0;
+    for (const int d : this->Axes)
+    {
+      const auto D = static_cast<std::size_t>(d);
+      const Box& box = this->Leaves[leaf].At;
+      const int end = box.Low[D] + box.Size;
+      const CellLines& lines = this->Lines[D];
+      if (end < lines.Length() && lines.IsCrease(end) &&
+        this->Shared.Parameters(d, point) == lines.Parameter(end))
+      {
+        below |= 1 << d;
+      }
+    }
+    return below;
+  };
+  for (Index c = 0; c < count; ++c)
+  {
+    for (int k = 0; k < axes; ++k)
+    {
+      Index& corner = indices[static_cast<std::size_t>(axes * c + k)];
+      if (corner < 0)
+      {
+        continue;
+      }
+      const int below = axes == 3 ? sidesOf(corner, leafOf[static_cast<std::size_t>(c)]) : 0;
+      const auto next = static_cast<Index>(columns.size());
+      if (below == 0)
+      {
+        Index& at = place[static_cast<std::size_t>(corner)];
+        if (at < 0)
+        {
+          at = next;
+          columns.emplace_back(corner, 0);
+        }
+        corner = at;
+      }
+      else
+      {
+        const auto [at, isNew] = copies.try_emplace(
+          { static_cast<int>(corner), static_cast<int>(corner >> 32), below, 0 }, next);
+        if (isNew)
+        {
+          columns.emplace_back(corner, below);
+        }
+        corner = at->second;
+      }
+    }
+  }
+  const auto outer = static_cast<Index>(columns.size());
+
+  Samples all;
+  all.Resize(*this, outer + inner);
+  Samples one; // the side below a crease
+  one.Resize(*this, 1);
+  for (Index i = 0; i < outer; ++i)
+  {
+    const auto [point, below] = columns[static_cast<std::size_t>(i)];
+    this->Copy(this->Shared, point, all, i, 1);
+    if (below != 0)
+    {
+      for (int d = 0; d < 3; ++d)
+      {
+        double& x = all.Parameters(d, i);
+        one.Parameters(d, 0) = below >> d & 1 ? std::nextafter(x, -INFINITY) : x;
+      }
+      this->Evaluate(one, 0, 1);
+      all.Normals.col(i) = one.Normals.col(0);
+      for (std::size_t a = 0; a < all.Attributes.size(); ++a)
+      {
+        all.Attributes[a].col(i) = one.Attributes[a].col(0);
+      }
+    }
+  }
+  for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
+  {
+    const Samples& piece = this->Pieces[leaf].Inner;
+    this->Copy(piece, 0, all, outer + firstInner[leaf], piece.Count());
+  }
+  for (Index& corner : indices)
+  {
+    corner = corner < 0 ? outer - 1 - corner : corner;
+  }
+  if (axes == 3 && this->Options.Handedness < 0)
+  {
+    for (Index c = 0; c < count; ++c)
+    {
+      std::swap(
+        indices[static_cast<std::size_t>(3 * c + 1)], indices[static_cast<std::size_t>(3 * c + 2)]);
+    }
+  }
+  this->Mesh.Parameters = std::move(all.Parameters);
+  this->Mesh.Points = std::move(all.Points);
+  this->Mesh.Normals = std::move(all.Normals);
+  this->Mesh.Attributes = std::move(all.Attributes);
   this->Mesh.Cells = Eigen::Map<const Eigen::Matrix<Index, Eigen::Dynamic, Eigen::Dynamic>>(
     indices.data(), axes, count);
+
+  // The knot span of each cell's centre.
   this->Mesh.Elements.resize(3, count);
   for (int d = 0; d < 3; ++d)
   {
     const std::vector<double> breaks = this->Body.Geometry().Knots(d).Breaks();
     for (Index c = 0; c < count; ++c)
     {
-      const int i = this->CellOfPiece[static_cast<std::size_t>(c)][static_cast<std::size_t>(d)];
-      const double low = this->Line(d, i);
-      const double high =
-        i + 1 < this->Counts[static_cast<std::size_t>(d)] ? this->Line(d, i + 1) : low;
-      const auto span = std::upper_bound(breaks.begin() + 1, breaks.end() - 1, 0.5 * (low + high)) -
-        breaks.begin() - 1;
+      double sum = 0.0;
+      for (int k = 0; k < axes; ++k)
+      {
+        sum += this->Mesh.Parameters(d, this->Mesh.Cells(k, c));
+      }
+      const auto span =
+        std::upper_bound(breaks.begin() + 1, breaks.end() - 1, sum / axes) - breaks.begin() - 1;
       this->Mesh.Elements(d, c) = static_cast<int>(span);
     }
   }
-  // Where the Jacobian has no rank at a pole there is no normal; take that of the triangles around.
-  if (axes == 3)
-  {
-    std::vector<std::pair<Index, Index>> lost;
-    for (Index c = 0; c < count; ++c)
-    {
-      for (int k = 0; k < 3; ++k)
-      {
-        if (this->Mesh.Normals.col(this->Mesh.Cells(k, c)).isZero(0.0))
-        {
-          lost.emplace_back(this->Mesh.Cells(k, c), c);
-        }
-      }
-    }
-    std::vector<std::pair<Index, Eigen::Vector3d>> sums;
-    std::sort(lost.begin(), lost.end());
-    for (const auto& [v, c] : lost)
-    {
-      const Eigen::Vector3d a = point(this->Mesh.Cells(0, c));
-      const Eigen::Vector3d n =
-        (point(this->Mesh.Cells(1, c)) - a).cross(point(this->Mesh.Cells(2, c)) - a);
-      if (sums.empty() || sums.back().first != v)
-      {
-        sums.emplace_back(v, Eigen::Vector3d::Zero());
-      }
-      sums.back().second += n;
-    }
-    for (const auto& [v, n] : sums)
-    {
-      this->Mesh.Normals.col(v) = n.norm() > 0.0 ? Eigen::Vector3d(n.normalized()) : n;
-    }
-  }
+  this->Certificate.LargestResidual =
+    this->LargestValue > 0.0 ? this->LargestAtVertices / this->LargestValue : 0.0;
+  this->MendNormals();
 }
 
-void ZeroSet::Worker::DropUnusedPoints()
+void ZeroSet::Worker::MendNormals()
 {
-  std::vector<Index> place(static_cast<std::size_t>(this->Mesh.Points.cols()), -1);
-  for (Index i = 0; i < this->Mesh.Cells.size(); ++i)
+  // Where the Jacobian has no rank at a pole there is no normal; take that of the triangles around.
+  if (this->Axes.size() != 3)
   {
-    place[static_cast<std::size_t>(this->Mesh.Cells.data()[i])] = 0;
+    return;
   }
-  Index count = 0;
-  for (std::size_t v = 0; v < place.size(); ++v)
+  std::vector<std::pair<Index, Index>> lost;
+  for (Index c = 0; c < this->Mesh.Cells.cols(); ++c)
   {
-    if (place[v] < 0)
+    for (int k = 0; k < 3; ++k)
     {
-      continue;
+      if (this->Mesh.Normals.col(this->Mesh.Cells(k, c)).isZero(0.0))
+      {
+        lost.emplace_back(this->Mesh.Cells(k, c), c);
+      }
     }
-    const auto from = static_cast<Index>(v);
-    this->Mesh.Parameters.col(count) = this->Mesh.Parameters.col(from);
-    this->Mesh.Points.col(count) = this->Mesh.Points.col(from);
-    this->Mesh.Normals.col(count) = this->Mesh.Normals.col(from);
-    for (Eigen::MatrixXd& values : this->Mesh.Attributes)
+  }
+  std::sort(lost.begin(), lost.end());
+  for (std::size_t i = 0; i < lost.size();)
+  {
+    const Index v = lost[i].first;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (; i < lost.size() && lost[i].first == v; ++i)
     {
-      values.col(count) = values.col(from);
+      const auto cell = this->Mesh.Cells.col(lost[i].second);
+      const Eigen::Vector3d a = this->Mesh.Points.col(cell[0]);
+      sum += (Eigen::Vector3d(this->Mesh.Points.col(cell[1])) - a)
+               .cross(Eigen::Vector3d(this->Mesh.Points.col(cell[2])) - a);
     }
-    place[v] = count++;
-  }
-  this->Mesh.Parameters.conservativeResize(3, count);
-  this->Mesh.Points.conservativeResize(3, count);
-  this->Mesh.Normals.conservativeResize(3, count);
-  for (Eigen::MatrixXd& values : this->Mesh.Attributes)
-  {
-    values.conservativeResize(values.rows(), count);
-  }
-  for (Index i = 0; i < this->Mesh.Cells.size(); ++i)
-  {
-    Index& v = this->Mesh.Cells.data()[i];
-    v = place[static_cast<std::size_t>(v)];
+    this->Mesh.Normals.col(v) = sum.norm() > 0.0 ? Eigen::Vector3d(sum.normalized()) : sum;
   }
 }
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace hyperpatch
 {
@@ -13,485 +12,400 @@ namespace hyperpatch
 namespace
 {
 
-/// Elements are searched in blocks of so many in each direction.
-constexpr int BlockSize = 8;
+/// A cell with more edges of tolerance length than this across, or more in all, is halved: one
+/// metric does not fit a large one.
+constexpr double MostAcross = 24.0;
+constexpr double MostInside = 100.0;
 
-/// What two parameters must differ by to be told apart after a sum or product.
-double Resolution(double a, double b)
-{
-  return std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
+/// Still less where the surface may stand nearly upright over its plane: then the metric varies.
+constexpr double LeastSteepness = 0.2;
+constexpr double MostAcrossFlat = 4.0;
+constexpr double MostInsideFlat = 6.0;
+
+/// Boxes of a field without bounds are halved down to this share of the domain's diagonal.
+constexpr int SampledDivisions = 32;
+
 }
 
-}
-
-ZeroSet::Worker::Cell ZeroSet::Worker::CornerOfKey(Index key) const
+struct ZeroSet::Worker::Visited
 {
-  const Index corner = key / 4;
-  return { static_cast<int>(corner % this->Counts[0]),
-    static_cast<int>(corner / this->Counts[0] % this->Counts[1]),
-    static_cast<int>(corner / (this->Counts[0] * this->Counts[1])) };
-}
+  std::vector<Box> Next; ///< parts of those that were halved
+  std::vector<Leaf> Leaves;
+  std::vector<Box> Undecided; ///< narrow enough to be counted
+  bool IsCapped = false;      ///< do not halve what is not certified
+};
 
-double ZeroSet::Worker::Width(const Cell& at) const
+ParameterBox ZeroSet::Worker::Parameters(const Box& box) const
 {
-  Eigen::AlignedBox3d box;
-  for (int c = 0; c < 1 << this->Axes.size(); ++c)
+  ParameterBox parameters{};
+  for (int d = 0; d < 3; ++d)
   {
-    Eigen::Vector3d parameter;
-    for (int d = 0; d < 3; ++d)
-    {
-      parameter[d] = this->Line(d, at[static_cast<std::size_t>(d)]);
-    }
-    for (std::size_t a = 0; a < this->Axes.size(); ++a)
-    {
-      if (c >> a & 1)
-      {
-        const int d = this->Axes[a];
-        parameter[d] = this->Line(d, at[static_cast<std::size_t>(d)] + 1);
-      }
-    }
-    Eigen::Vector3d point = Eigen::Vector3d::Zero();
-    this->Geometry.Evaluate(1, parameter.data(), point.data());
-    box.extend(point);
+    const auto D = static_cast<std::size_t>(d);
+    const bool isThere = this->Lines[D].Length() > 0;
+    const double a = this->Line(d, box.Low[D]);
+    const double b = isThere ? this->Line(d, box.Low[D] + box.Size) : this->High[d];
+    parameters.Low[D] = std::min(a, b);
+    parameters.High[D] = std::max(a, b);
   }
-  return box.diagonal().norm();
+  return parameters;
 }
 
-bool ZeroSet::Worker::IsDrawn(const CrossedCell& touched) const
+double ZeroSet::Worker::Width(const Box& box) const
 {
-  for (int c = 0; c < 1 << this->Axes.size(); ++c)
-  {
-    if ((touched.Zero >> c & 1u) == 0)
-    {
-      continue;
-    }
-    Cell corner = touched.At;
-    for (std::size_t a = 0; a < this->Axes.size(); ++a)
-    {
-      corner[static_cast<std::size_t>(this->Axes[a])] += c >> a & 1;
-    }
-    const Index key = 4 * this->Corner(corner) + 3;
-    const auto at = std::lower_bound(this->Vertices.begin(), this->Vertices.end(), key,
-      [](const Crossing& crossing, Index k) { return crossing.Key < k; });
-    if (at != this->Vertices.end() && at->Key == key)
-    {
-      return true;
-    }
-  }
-  return false;
-}
-
-bool ZeroSet::Worker::IsUndecided(const Bernstein& f) const
-{
-  double low = INFINITY;
-  double high = -INFINITY;
-  const auto n = f.Degrees();
-  const Index nu = n[0] + 1;
-  const Index nv = n[1] + 1;
+  const ParameterBox p = this->Parameters(box);
+  const int m = this->Geometry.Components();
+  Eigen::Matrix<double, 3, 8> corners;
   for (int c = 0; c < 8; ++c)
   {
-    const Index i = (c & 1) * n[0] + nu * ((c >> 1 & 1) * n[1] + nv * ((c >> 2) * n[2]));
-    low = std::min(low, f.Coefficients()[i]);
-    high = std::max(high, f.Coefficients()[i]);
+    for (int d = 0; d < 3; ++d)
+    {
+      const auto D = static_cast<std::size_t>(d);
+      corners(d, c) = c >> d & 1 ? p.High[D] : p.Low[D];
+    }
   }
-  const double noise = f.RoundingBound();
-  // A surface through a corner, up to round-off, is drawn by the cells on its other side; but where
-  // f is zero all over the cell nothing is.
-  const bool everywhere = f.Min() >= -noise && f.Max() <= noise;
-  const bool throughCorner =
-    !everywhere && ((f.Min() >= -noise && low <= noise) || (f.Max() <= noise && high >= -noise));
-  const bool signChange = low < 0.0 && high >= 0.0;
-  return !throughCorner && !signChange &&
-    !this->IsExcluded(f, 2 * static_cast<int>(this->Axes.size()));
+  std::array<double, 24> points{};
+  this->Geometry.Evaluate(8, corners.data(), points.data());
+  const Eigen::Map<const Eigen::MatrixXd> x(points.data(), m, 8);
+  return (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
 }
 
-bool ZeroSet::Worker::IsExcluded(const Bernstein& f, int depth) const
+bool ZeroSet::Worker::IsGraph(const BoxSpline& f, const std::array<Part, 3>& part) const
 {
-  if (f.Min() > f.RoundingBound() || f.Max() < -f.RoundingBound())
+  if (!f.Values(part).Contains(0.0) || f.Vanishes(part))
   {
     return true;
   }
-  if (depth == 0)
+  bool isPoint = true;
+  for (const int d : this->Axes)
+  {
+    if (part[static_cast<std::size_t>(d)] == Part::Whole)
+    {
+      isPoint = false;
+      if (!f.Derivative(d, part).Contains(0.0))
+      {
+        return true;
+      }
+    }
+  }
+  return isPoint;
+}
+
+ZeroSet::Worker::Height ZeroSet::Worker::FindHeight(const Box& box, const BoxSpline& f) const
+{
+  Height height;
+  double least = 0.0;
+  double greatest = 0.0;
+  for (const int d : this->Axes)
+  {
+    const Range slope = f.Derivative(d, { Part::Whole, Part::Whole, Part::Whole });
+    const double low = std::min(std::abs(slope.Low), std::abs(slope.High));
+    greatest = std::max({ greatest, std::abs(slope.Low), std::abs(slope.High) });
+    if (!slope.Contains(0.0) && low > least)
+    {
+      least = low;
+      height.Axis = d;
+    }
+  }
+  height.Steepness = greatest > 0.0 ? least / greatest : 0.0;
+
+  std::array<std::array<Part, 3>, 3> parts{};
+  std::array<int, 3> count{ 1, 1, 1 };
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const CellLines& lines = this->Lines[d];
+    parts[d][0] = Part::Whole;
+    for (const bool high : { false, true })
+    {
+      if (lines.IsCrease(box.Low[d] + (high ? box.Size : 0)))
+      {
+        parts[d][static_cast<std::size_t>(count[d]++)] =
+          high != lines.IsMirrored() ? Part::High : Part::Low;
+      }
+    }
+  }
+  for (int i = 1; i < count[0] * count[1] * count[2] && height.Axis >= 0; ++i)
+  {
+    const std::array<Part, 3> part{ parts[0][static_cast<std::size_t>(i % count[0])],
+      parts[1][static_cast<std::size_t>(i / count[0] % count[1])],
+      parts[2][static_cast<std::size_t>(i / (count[0] * count[1]))] };
+    height.Axis = this->IsGraph(f, part) ? height.Axis : -1;
+  }
+  return height;
+}
+
+unsigned ZeroSet::Worker::FindFlat(const Box& box, const BoxSpline& f, bool& touches) const
+{
+  // The negative side of a zero face draws it. A positive one has to where there is no other side,
+  // and nobody may where the other is positive too.
+  unsigned flat = 0;
+  const ParameterBox p = this->Parameters(box);
+  for (const int d : this->Axes)
+  {
+    const auto D = static_cast<std::size_t>(d);
+    const CellLines& lines = this->Lines[D];
+    for (const bool high : { false, true })
+    {
+      const int line = box.Low[D] + (high ? box.Size : 0);
+      std::array<Part, 3> part{ Part::Whole, Part::Whole, Part::Whole };
+      const bool atHigh = high != lines.IsMirrored();
+      part[D] = atHigh ? Part::High : Part::Low;
+      if (!lines.IsCrease(line) || !f.Vanishes(part) ||
+        f.Values({ Part::Whole, Part::Whole, Part::Whole }).High <= -f.Values(part).Low)
+      {
+        continue;
+      }
+      if (line == 0 || line == lines.Length())
+      {
+        const bool goesOn = this->Options.GoesOn[2 * D + (atHigh ? 1 : 0)];
+        flat |= goesOn ? 0u : 1u << (2 * d + (high ? 1 : 0));
+        continue;
+      }
+      // The next root cell is the nearest that there can be on the other side.
+      Eigen::Vector3d other(p.Low.data());
+      other = 0.5 * (other + Eigen::Vector3d(p.High.data()));
+      other[d] =
+        0.5 * (this->Line(d, line) + this->Line(d, line + (high ? 1 : -1) * CellLines::RootSize));
+      double value = 0.0;
+      this->Field.Evaluate(1, other.data(), &value);
+      touches = touches || value > 0.0;
+    }
+  }
+  return flat;
+}
+
+bool ZeroSet::Worker::IsTooLarge(const Box& box, const Height& height) const
+{
+  if (this->Axes.size() < 3 || box.Size == 1)
   {
     return false;
   }
-  const int direction = this->Axes[static_cast<std::size_t>(depth) % this->Axes.size()];
-  const auto [low, high] = f.Split(direction, 0.5);
-  return this->IsExcluded(low, depth - 1) && this->IsExcluded(high, depth - 1);
+  const ParameterBox p = this->Parameters(box);
+  const Eigen::Vector3d low(p.Low.data());
+  const Eigen::Vector3d width = Eigen::Vector3d(p.High.data()) - low;
+  const std::optional<Shape> shape = this->Probe(low + 0.5 * width, width, height.Axis);
+  if (!shape)
+  {
+    return false;
+  }
+  const double h = shape->Centre[shape->Axis] - low[shape->Axis];
+  if (h < -0.25 * width[shape->Axis] || h > 1.25 * width[shape->Axis])
+  {
+    return false;
+  }
+  const double a = std::sqrt(shape->Metric(0, 0)) * width[shape->A];
+  const double b = std::sqrt(shape->Metric(1, 1)) * width[shape->B];
+  const double inside =
+    std::sqrt(std::max(0.0, shape->Metric.determinant())) * width[shape->A] * width[shape->B];
+  const bool isSteep = height.Steepness >= LeastSteepness;
+  return std::max(a, b) > (isSteep ? MostAcross : MostAcrossFlat) ||
+    inside > (isSteep ? MostInside : MostInsideFlat);
 }
 
-void ZeroSet::Worker::SearchBox(
-  Cell low, Cell high, const Bernstein& f, std::vector<Cell>& cells, Found& found) const
+void ZeroSet::Worker::Visit(const Box& box, BoxSpline& f, Visited& visited) const
 {
-  if (f.Min() > f.RoundingBound() || f.Max() < -f.RoundingBound())
+  const ParameterBox parameters = this->Parameters(box);
+  if (this->Field.Excludes(parameters))
   {
     return;
   }
-  int widest = this->Axes.front();
-  for (int d : this->Axes)
+  const bool known = this->Field.Restrict(parameters, f);
+  bool halve = !known;
+  Height height;
+  if (known)
+  {
+    constexpr std::array<Part, 3> Everywhere{ Part::Whole, Part::Whole, Part::Whole };
+    if (!f.Values(Everywhere).Contains(0.0))
+    {
+      return;
+    }
+    if (f.Vanishes(Everywhere) || f.IsLostInNoise())
+    {
+      visited.Undecided.push_back(box);
+      visited.Leaves.push_back({ box, false, -1, 0 });
+      return;
+    }
+    height = this->FindHeight(box, f);
+    halve = height.Axis < 0 || this->IsTooLarge(box, height);
+  }
+  if (halve && height.Axis < 0 &&
+    (box.Size == 1 || visited.IsCapped || this->Width(box) <= this->Options.Tolerance))
+  {
+    visited.Undecided.push_back(box);
+    halve = false;
+  }
+  if (!halve)
+  {
+    bool touches = false;
+    const unsigned flat = height.Axis >= 0 ? this->FindFlat(box, f, touches) : 0;
+    if (touches)
+    {
+      visited.Undecided.push_back(box);
+    }
+    visited.Leaves.push_back({ box, height.Axis >= 0 && !touches, height.Axis, flat });
+    return;
+  }
+  const int half = box.Size / 2;
+  for (int c = 0; c < 1 << this->Axes.size(); ++c)
+  {
+    Box child{ box.Low, half };
+    for (std::size_t a = 0; a < this->Axes.size(); ++a)
+    {
+      child.Low[static_cast<std::size_t>(this->Axes[a])] += (c >> a & 1) * half;
+    }
+    visited.Next.push_back(child);
+  }
+}
+
+void ZeroSet::Worker::VisitSampled(const Box& box, Visited& visited) const
+{
+  // Nothing bounds f: 3 x 3 x 3 samples and their gradients have to do.
+  const ParameterBox p = this->Parameters(box);
+  Eigen::Matrix<double, 3, 27> parameters;
+  for (int i = 0; i < 27; ++i)
+  {
+    const std::array<int, 3> at{ i % 3, i / 3 % 3, i / 9 };
+    for (int d = 0; d < 3; ++d)
+    {
+      const auto D = static_cast<std::size_t>(d);
+      parameters(d, i) = p.Low[D] + 0.5 * at[D] * (p.High[D] - p.Low[D]);
+    }
+  }
+  std::array<double, 27> values{};
+  Eigen::Matrix<double, 3, 27> gradients;
+  this->Field.EvaluateWithGradient(27, parameters.data(), values.data(), gradients.data());
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const bool crosses = *low <= 0.0 && *high >= 0.0;
+  Height height{ -1, 1.0 };
+  double steepest = 0.0;
+  for (const int d : this->Axes)
   {
     const auto D = static_cast<std::size_t>(d);
-    const auto W = static_cast<std::size_t>(widest);
-    widest = high[D] - low[D] > high[W] - low[W] ? d : widest;
-  }
-  const auto W = static_cast<std::size_t>(widest);
-  if (high[W] - low[W] == 1)
-  {
-    if (this->IsUndecided(f))
+    const double least = gradients.row(d).cwiseAbs().minCoeff() * (p.High[D] - p.Low[D]);
+    const bool rises = gradients.row(d).minCoeff() > 0.0 || gradients.row(d).maxCoeff() < 0.0;
+    if (rises && least > steepest)
     {
-      ++found.Undecided;
-      const bool plateau = f.Min() >= -f.RoundingBound() && f.Max() <= f.RoundingBound();
-      if (!plateau && this->Width(low) > this->Options.FeatureSize)
-      {
-        found.Wide.push_back(low);
-      }
+      steepest = least;
+      height.Axis = d;
     }
-    cells.push_back(low);
+  }
+  const double width = this->Width(box);
+  const double coarse = this->DomainWidth / SampledDivisions;
+  const bool canHalve = box.Size > 1 && !visited.IsCapped && width > this->Options.Tolerance;
+  const bool halve =
+    canHalve && (crosses ? height.Axis < 0 || this->IsTooLarge(box, height) : width > coarse);
+  if (!halve)
+  {
+    visited.Undecided.push_back(box);
+    if (crosses)
+    {
+      visited.Leaves.push_back({ box, false, height.Axis, 0 });
+    }
     return;
   }
-  const int middle = (low[W] + high[W]) / 2;
-  const double begin = this->Line(widest, low[W]);
-  const double t = (this->Line(widest, middle) - begin) / (this->Line(widest, high[W]) - begin);
-  const auto [first, second] = f.Split(widest, t);
-  Cell cut = high;
-  cut[W] = middle;
-  this->SearchBox(low, cut, first, cells, found);
-  cut = low;
-  cut[W] = middle;
-  this->SearchBox(cut, high, second, cells, found);
-}
-
-void ZeroSet::Worker::SignCells(const std::vector<Cell>& cells, bool certified, Found& found) const
-{
-  const int axes = static_cast<int>(this->Axes.size());
-  const int corners = 1 << axes;
-  std::vector<double> parameters;
-  std::vector<double> values;
-  const Index step = Batch / corners;
-  for (Index first = 0; first < static_cast<Index>(cells.size()); first += step)
+  const int half = box.Size / 2;
+  for (int c = 0; c < 1 << this->Axes.size(); ++c)
   {
-    const Index last = std::min<Index>(first + step, static_cast<Index>(cells.size()));
-    parameters.clear();
-    for (Index i = first; i < last; ++i)
+    Box child{ box.Low, half };
+    for (std::size_t a = 0; a < this->Axes.size(); ++a)
     {
-      const Cell& at = cells[static_cast<std::size_t>(i)];
-      for (int c = 0; c < corners; ++c)
-      {
-        Cell corner = at;
-        for (int a = 0; a < axes; ++a)
-        {
-          corner[static_cast<std::size_t>(this->Axes[static_cast<std::size_t>(a)])] += c >> a & 1;
-        }
-        for (int d = 0; d < 3; ++d)
-        {
-          parameters.push_back(this->Line(d, corner[static_cast<std::size_t>(d)]));
-        }
-      }
+      child.Low[static_cast<std::size_t>(this->Axes[a])] += (c >> a & 1) * half;
     }
-    values.resize(parameters.size() / 3);
-    this->Field.Evaluate(values.size(), parameters.data(), values.data());
-    for (Index i = first; i < last; ++i)
-    {
-      const Cell& at = cells[static_cast<std::size_t>(i)];
-      const double* f = values.data() + (i - first) * corners;
-      CrossedCell cell{ at, 0, 0 };
-      for (int c = 0; c < corners; ++c)
-      {
-        cell.Positive |= f[c] >= 0.0 ? 1u << c : 0u;
-        cell.Zero |= f[c] == 0.0 ? 1u << c : 0u;
-        found.LargestValue = std::max(found.LargestValue, std::abs(f[c]));
-      }
-      if (!certified)
-      {
-        ++found.Undecided;
-        ++found.Sampled;
-      }
-      if (cell.Positive == 0 || cell.Positive == (1u << corners) - 1)
-      {
-        if (cell.Zero != 0 && certified)
-        {
-          found.Touched.push_back(cell);
-        }
-        continue;
-      }
-      found.Crossed.push_back(cell);
-      for (int a = 0; a < axes; ++a)
-      {
-        for (int c = 0; c < corners; ++c)
-        {
-          const int other = c | 1 << a;
-          if (other == c || ((cell.Positive >> c ^ cell.Positive >> other) & 1) == 0)
-          {
-            continue;
-          }
-          // Only a positive end can be zero; then the vertex is that corner.
-          const bool atCorner = f[c] == 0.0 || f[other] == 0.0;
-          const int at0 = atCorner && f[other] == 0.0 ? other : c;
-          Cell corner = at;
-          for (int b = 0; b < axes; ++b)
-          {
-            corner[static_cast<std::size_t>(this->Axes[static_cast<std::size_t>(b)])] +=
-              at0 >> b & 1;
-          }
-          const int axis = atCorner ? 3 : this->Axes[static_cast<std::size_t>(a)];
-          found.Crossings.push_back({ 4 * this->Corner(corner) + axis, f[c], f[other] });
-        }
-      }
-    }
+    visited.Next.push_back(child);
   }
 }
 
-void ZeroSet::Worker::SearchElements(const Cell& low, const Cell& high, Found& found) const
+void ZeroSet::Worker::SearchRoots(const Node& low, const Node& high, std::vector<Box>& found) const
 {
   ParameterBox box{};
   std::size_t widest = 0;
-  for (std::size_t d = 0; d < 3; ++d)
+  for (int d = 0; d < 3; ++d)
   {
-    box.Low[d] = this->Grid.Breaks[d][static_cast<std::size_t>(low[d])];
-    box.High[d] = this->Grid.Breaks[d][static_cast<std::size_t>(high[d])];
-    widest = high[d] - low[d] > high[widest] - low[widest] ? d : widest;
+    const auto D = static_cast<std::size_t>(d);
+    const bool isThere = this->Lines[D].Length() > 0;
+    const double a = this->Line(d, CellLines::RootSize * low[D]);
+    const double b = isThere ? this->Line(d, CellLines::RootSize * high[D]) : this->High[d];
+    box.Low[D] = std::min(a, b);
+    box.High[D] = std::max(a, b);
+    widest = high[D] - low[D] > high[widest] - low[widest] ? D : widest;
+  }
+  if (high[widest] - low[widest] <= 1)
+  {
+    Box root{ low, CellLines::RootSize };
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      root.Low[d] = this->Lines[d].Length() > 0 ? low[d] * CellLines::RootSize : 0;
+    }
+    found.push_back(root);
+    return;
   }
   if (this->Field.Excludes(box))
   {
     return;
   }
-  if (high[widest] - low[widest] == 1)
-  {
-    this->SearchElement(low, box, found);
-    return;
-  }
-  Cell middle = high;
+  Node middle = high;
   middle[widest] = (low[widest] + high[widest]) / 2;
-  this->SearchElements(low, middle, found);
-  Cell begin = low;
+  this->SearchRoots(low, middle, found);
+  Node begin = low;
   begin[widest] = middle[widest];
-  this->SearchElements(begin, high, found);
+  this->SearchRoots(begin, high, found);
 }
 
-void ZeroSet::Worker::SearchElement(
-  const Cell& element, const ParameterBox& box, Found& found) const
+bool ZeroSet::Worker::Search()
 {
-  Cell low{};
-  Cell high{ 1, 1, 1 };
-  for (int d : this->Axes)
+  this->Certificate = ZeroSetCertificate();
+  this->Leaves.clear();
+  std::vector<Box> open;
   {
-    const auto D = static_cast<std::size_t>(d);
-    const auto& lines = this->IntervalOfLine[D];
-    low[D] = static_cast<int>(
-      std::lower_bound(lines.begin(), lines.end() - 1, element[D]) - lines.begin());
-    high[D] = low[D] + this->Grid.Counts[D][static_cast<std::size_t>(element[D])];
-  }
-  std::vector<Cell> cells;
-  const auto f = this->Field.OnBox(box);
-  if (f)
-  {
-    this->SearchBox(low, high, *f, cells, found);
-  }
-  else
-  {
-    for (int k = low[2]; k < high[2]; ++k)
+    Node last{ 1, 1, 1 };
+    for (const int d : this->Axes)
     {
-      for (int j = low[1]; j < high[1]; ++j)
+      const auto D = static_cast<std::size_t>(d);
+      last[D] = this->Lines[D].NumberOfRoots();
+    }
+    this->SearchRoots({ 0, 0, 0 }, last, open);
+  }
+  const bool sampled = !this->Field.HasBounds();
+  // Chunks are small: boxes differ much in what they cost.
+  constexpr Index Grain = 8;
+  while (!open.empty())
+  {
+    const auto count = static_cast<Index>(open.size());
+    const bool capped = static_cast<double>(count) > 0.1 * this->Options.MaximumCells;
+    std::vector<Visited> chunks(static_cast<std::size_t>((count + Grain - 1) / Grain));
+    const bool finished = this->Parallel(count, Grain,
+      [&](Index begin, Index end)
       {
-        for (int i = low[0]; i < high[0]; ++i)
+        thread_local BoxSpline f;
+        Visited& visited = chunks[static_cast<std::size_t>(begin / Grain)];
+        visited.IsCapped = capped;
+        for (Index i = begin; i < end; ++i)
         {
-          cells.push_back({ i, j, k });
-        }
-      }
-    }
-    // Nothing is known between the corners: look as closely as features are to be seen.
-    if (this->Width(low) > this->Options.FeatureSize)
-    {
-      found.Wide.push_back(low);
-    }
-  }
-  this->SignCells(cells, f.has_value(), found);
-}
-
-bool ZeroSet::Worker::FindCrossings()
-{
-  std::array<Index, 3> elements{};
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    elements[d] = std::max<Index>(1, static_cast<Index>(this->Grid.Counts[d].size()));
-  }
-  // Blocks are many enough for any number of threads; their order makes the result one and the
-  // same.
-  Cell blocks{};
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    blocks[d] = static_cast<int>((elements[d] + BlockSize - 1) / BlockSize);
-  }
-  std::vector<Found> found(static_cast<std::size_t>(blocks[0]) *
-    static_cast<std::size_t>(blocks[1]) * static_cast<std::size_t>(blocks[2]));
-  if (!this->Parallel(static_cast<Index>(found.size()), 1,
-        [&](Index begin, Index end)
-        {
-          for (Index b = begin; b < end; ++b)
+          const Box& box = open[static_cast<std::size_t>(i)];
+          if (sampled)
           {
-            Cell low{ static_cast<int>(b % blocks[0]), static_cast<int>(b / blocks[0] % blocks[1]),
-              static_cast<int>(b / blocks[0] / blocks[1]) };
-            Cell high{};
-            for (std::size_t d = 0; d < 3; ++d)
-            {
-              low[d] *= BlockSize;
-              high[d] = std::min(low[d] + BlockSize, static_cast<int>(elements[d]));
-            }
-            this->SearchElements(low, high, found[static_cast<std::size_t>(b)]);
+            this->VisitSampled(box, visited);
           }
-        }))
-  {
-    return false;
-  }
-  this->Crossed.clear();
-  this->Vertices.clear();
-  this->LargestValue = 0.0;
-  this->Sampled = 0;
-  for (const Found& f : found)
-  {
-    this->Crossed.insert(this->Crossed.end(), f.Crossed.begin(), f.Crossed.end());
-    this->Vertices.insert(this->Vertices.end(), f.Crossings.begin(), f.Crossings.end());
-    this->Certificate.UndecidedCells += f.Undecided;
-    this->Sampled += f.Sampled;
-    this->LargestValue = std::max(this->LargestValue, f.LargestValue);
-    for (const Cell& wide : f.Wide)
+          else
+          {
+            this->Visit(box, f, visited);
+          }
+        }
+      });
+    if (!finished)
     {
-      this->Want(wide, 2.0, this->Wanted, this->Certificate.ToleranceReached);
+      return false;
     }
-  }
-  this->Certificate.CrossedCells = static_cast<Index>(this->Crossed.size());
-  const auto byKey = [](const Crossing& a, const Crossing& b) { return a.Key < b.Key; };
-  std::sort(this->Vertices.begin(), this->Vertices.end(), byKey);
-  const auto last = std::unique(this->Vertices.begin(), this->Vertices.end(),
-    [](const Crossing& a, const Crossing& b) { return a.Key == b.Key; });
-  this->Vertices.erase(last, this->Vertices.end());
-  // f is zero there and drawn by nobody: it touches zero, or a face lies in the zero set.
-  for (const Found& f : found)
-  {
-    for (const CrossedCell& touched : f.Touched)
+    open.clear();
+    for (Visited& chunk : chunks)
     {
-      this->Certificate.UndecidedCells += this->IsDrawn(touched) ? 0 : 1;
+      open.insert(open.end(), chunk.Next.begin(), chunk.Next.end());
+      this->Leaves.insert(this->Leaves.end(), chunk.Leaves.begin(), chunk.Leaves.end());
+      this->Certificate.UndecidedCells += static_cast<std::int64_t>(chunk.Undecided.size());
     }
+    this->Certificate.ToleranceReached = this->Certificate.ToleranceReached && !capped;
   }
+  this->CollectNodes();
   return true;
-}
-
-bool ZeroSet::Worker::FindVertices()
-{
-  const auto count = static_cast<Index>(this->Vertices.size());
-  this->Mesh.Parameters.resize(3, count);
-  std::vector<double> residuals(static_cast<std::size_t>((count + Batch - 1) / Batch), 0.0);
-  const bool finished = this->Parallel(count, Batch,
-    [&](Index begin, Index end)
-    {
-      // Bracketed roots along edges, all of a batch in step: false position with Illinois' halved
-      // weights, and a bisection wherever it does not halve the bracket in three steps.
-      struct Bracket
-      {
-        Index Vertex;
-        int Axis;
-        double Low, High, FLow, FHigh;
-        double WeightLow, WeightHigh; ///< Illinois: of an end that stays
-        double Width;
-        int Side, Steps;
-      };
-      constexpr int Most = 4 * 64; // steps, should every bracket have to be bisected
-      std::vector<Bracket> open;
-      std::vector<double> parameters;
-      std::vector<double> values;
-      double& residual = residuals[static_cast<std::size_t>(begin / Batch)];
-      for (Index v = begin; v < end; ++v)
-      {
-        const Crossing& crossing = this->Vertices[static_cast<std::size_t>(v)];
-        const Cell corner = this->CornerOfKey(crossing.Key);
-        const int axis = static_cast<int>(crossing.Key % 4);
-        for (int d = 0; d < 3; ++d)
-        {
-          this->Mesh.Parameters(d, v) = this->Line(d, corner[static_cast<std::size_t>(d)]);
-        }
-        if (axis < 3)
-        {
-          const int i = corner[static_cast<std::size_t>(axis)];
-          const double low = this->Line(axis, i);
-          const double high = this->Line(axis, i + 1);
-          open.push_back(
-            { v, axis, low, high, crossing.Low, crossing.High, 1.0, 1.0, high - low, 0, 0 });
-        }
-      }
-      for (int iteration = 0; !open.empty(); ++iteration)
-      {
-        parameters.resize(3 * open.size());
-        values.resize(open.size());
-        for (std::size_t b = 0; b < open.size(); ++b)
-        {
-          Bracket& o = open[b];
-          const double low = o.WeightLow * o.FLow;
-          const double high = o.WeightHigh * o.FHigh;
-          double t = o.Low - low * (o.High - o.Low) / (high - low);
-          if (o.Steps == 3)
-          {
-            o.Steps = 0;
-            if (o.High - o.Low > 0.5 * o.Width)
-            {
-              t = 0.5 * (o.Low + o.High);
-              o.WeightLow = o.WeightHigh = 1.0;
-              o.Side = 0;
-            }
-            o.Width = o.High - o.Low;
-          }
-          ++o.Steps;
-          // Never closer to an end than it matters: so a root beside an end closes the bracket.
-          const double step = std::min(Resolution(o.Low, o.High), 0.5 * (o.High - o.Low));
-          t = t > o.Low + step ? t : o.Low + step;
-          t = t < o.High - step ? t : o.High - step;
-          for (int d = 0; d < 3; ++d)
-          {
-            parameters[3 * b + static_cast<std::size_t>(d)] = this->Mesh.Parameters(d, o.Vertex);
-          }
-          parameters[3 * b + static_cast<std::size_t>(o.Axis)] = t;
-        }
-        this->Field.Evaluate(open.size(), parameters.data(), values.data());
-        std::size_t kept = 0;
-        for (std::size_t b = 0; b < open.size(); ++b)
-        {
-          Bracket o = open[b];
-          const double t = parameters[3 * b + static_cast<std::size_t>(o.Axis)];
-          const double f = values[b];
-          if ((f >= 0.0) == (o.FHigh >= 0.0))
-          {
-            o.High = t;
-            o.FHigh = f;
-            o.WeightHigh = 1.0;
-            o.WeightLow *= o.Side == 1 ? 0.5 : 1.0;
-            o.Side = 1;
-          }
-          else
-          {
-            o.Low = t;
-            o.FLow = f;
-            o.WeightLow = 1.0;
-            o.WeightHigh *= o.Side == -1 ? 0.5 : 1.0;
-            o.Side = -1;
-          }
-          if (f == 0.0 || o.High - o.Low <= 2.0 * Resolution(o.Low, o.High) || iteration == Most ||
-            !std::isfinite(f))
-          {
-            const bool low = std::abs(o.FLow) < std::abs(o.FHigh);
-            this->Mesh.Parameters(o.Axis, o.Vertex) = low ? o.Low : o.High;
-            residual = std::max(residual, std::abs(low ? o.FLow : o.FHigh));
-          }
-          else
-          {
-            open[kept++] = o;
-          }
-        }
-        open.resize(kept);
-      }
-    });
-  const double largest =
-    residuals.empty() ? 0.0 : *std::max_element(residuals.begin(), residuals.end());
-  this->Certificate.LargestResidual = this->LargestValue > 0.0 ? largest / this->LargestValue : 0.0;
-  return finished;
 }
 
 }

@@ -2,11 +2,25 @@
 #ifndef hyperpatch_ZeroSetWorker_h
 #define hyperpatch_ZeroSetWorker_h
 
-#include "MarchingCells.h"
+#include "BoxSpline.h"
+#include "CellLines.h"
+#include "FacetTriangulation.h"
 #include "ZeroSet.h"
 
-/// The inside of ZeroSet, private to the three files that hold it: ZeroSetSearch.cxx finds crossed
-/// cells and vertices, ZeroSetMesh.cxx makes the mesh, ZeroSetError.cxx measures it.
+#include <Eigen/Dense>
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+/// The inside of ZeroSet, private to the files that hold it, in the order of the work:
+/// ZeroSetSearch.cxx finds the boxes that hold the surface, ZeroSetCurves.cxx its points on their
+/// edges and its curves in their faces, ZeroSetFacets.cxx meshes it inside them, ZeroSetMesh.cxx
+/// joins the pieces.
 
 namespace hyperpatch
 {
@@ -15,95 +29,212 @@ class ZeroSet::Worker
 {
 public:
   using Index = std::int64_t;
-  using Cell = std::array<int, 3>; ///< indices of its low corner among the grid lines
 
   Worker(std::shared_ptr<const PreparedAggregate> body, const ScalarField& field,
     ZeroSetOptions options);
 
-  bool Extract();
+  void MakeLines(const std::array<bool, 3>& mirrored);
+  bool Search();
+  [[nodiscard]] std::vector<std::array<int, 2>> NodesOn(int side) const;
+  bool AddNodes(int side, const std::vector<std::array<int, 2>>& nodes);
+  bool Finish();
 
-  CellGrid Grid;
-  std::array<std::vector<int>, 3> Wanted;
+  std::array<int, 3> Roots{};
   ZeroSetMesh Mesh;
   ZeroSetCertificate Certificate;
 
 private:
   /// Points per call of a field or evaluator.
-  static constexpr Index Batch = 512;
+  static constexpr Index Batch = 256;
+  /// The share of a tolerance that is aimed at: it is measured at a few points of each cell only.
+  static constexpr double Target = 0.85;
+  /// The error of a triangle whose edges have the chord error 1 (equilateral, on a sphere).
+  static constexpr double InnerChord = 4.0 / 3.0;
 
-  /// A crossed edge of a cell, or the corner that stands for it where f is exactly zero there.
-  struct Crossing
+  /// A place where lines of the three directions meet.
+  using Node = std::array<int, 3>;
+  struct HashNode
   {
-    Index Key; ///< 4 * corner + axis; axis 3 for the corner itself
-    double Low;
-    double High; ///< f at both ends
+    std::size_t operator()(const std::array<int, 4>& key) const;
   };
 
-  /// A cell with pieces of the surface.
-  struct CrossedCell
+  /// A box between lines: a cube of `Size` lines in the directions that are there.
+  struct Box
   {
-    Cell At;
-    unsigned Positive; ///< sign bits of its corners
-    unsigned Zero;     ///< bits of corners where f is exactly zero
+    Node Low;
+    int Size;
   };
 
-  /// What a chunk of elements found.
-  struct Found
+  /// A leaf of the octree through which the surface may go.
+  struct Leaf
   {
-    std::vector<CrossedCell> Crossed;
-    std::vector<Crossing> Crossings;
-    Index Undecided = 0;
-    double LargestValue = 0.0;
-    std::vector<Cell> Wide;           ///< undecided cells that are wider than the feature size
-    std::vector<CrossedCell> Touched; ///< no sign change, but corners where f is zero
-    Index Sampled = 0;                ///< cells of a field without bounds
+    Box At;
+    bool IsCertified;
+    int Height; ///< the direction in which the surface is a graph; -1: unknown
+    /// Bits 2 d and 2 d + 1 of the faces, at its lower and upper line, on which f is 0 all over and
+    /// that are to be drawn as pieces of the surface.
+    unsigned Flat = 0;
   };
 
-  void MakeLines();
+  /// Points of the surface and what the mesh wants to know about them.
+  struct Samples
+  {
+    Eigen::Matrix3Xd Parameters, Points, Normals;
+    std::vector<Eigen::MatrixXd> Attributes;
+
+    [[nodiscard]] Index Count() const { return this->Parameters.cols(); }
+    void Resize(const Worker& worker, Index count);
+  };
+
+  /// Linear combinations of the samples at the corners of cells, whose errors are wanted.
+  struct Middles
+  {
+    Eigen::Matrix3Xd Parameters, Points;
+    std::vector<Eigen::MatrixXd> Attributes;
+    std::vector<int> Axes;   ///< to find the surface along; empty: along the steepest
+    Eigen::Matrix3Xd Chords; ///< directions of cells whose error is across them in space, or zero
+
+    void SetZero(const Worker& worker, Index count);
+    void Add(Index to, double weight, const Samples& samples, Index from);
+  };
+
+  /// A piece of the surface's curve in a face of boxes, from vertex to vertex of its edges, with
+  /// positive f on its left, seen from the end of the axis that is normal to the face.
+  struct Curve
+  {
+    Index From, To;
+    Index First = 0; ///< its inner points are the shared points First .. First + Count - 1
+    Index Count = 0;
+    int Normal;      ///< the axis
+    bool IsOnCrease; ///< the face is one of the domain or a crease
+  };
+
+  /// The curvature of the surface around a point, as a graph over the two other directions.
+  struct Shape
+  {
+    int Axis = -1; ///< the direction of height
+    int A = 0, B = 0;
+    Eigen::Vector3d Centre;
+    Eigen::Vector2d Slope;  ///< of the height
+    Eigen::Matrix2d Bend;   ///< second derivatives of the height
+    Eigen::Matrix2d Metric; ///< edges of length 1 in it meet the tolerances
+  };
+
+  /// The mesh of the surface in one leaf.
+  struct Facets
+  {
+    Samples Inner;
+    /// Corners: shared points from 0 up, inner ones as -1 - i.
+    std::vector<std::array<Index, 3>> Cells;
+    double Error = 0.0;
+    double AttributeError = 0.0;
+    int Failed = 0;
+    bool IsWithinTolerance = true;
+  };
+
+  /// Scratch of one thread.
+  struct Scratch;
+
   /// Calls body(begin, end) in parallel and stops early when aborted.
-  bool Parallel(Index count, Index grain, const std::function<void(Index, Index)>& body);
+  bool Parallel(Index count, Index grain, const std::function<void(Index, Index)>& body) const;
 
-  // Steps of Extract(), in order.
-  bool FindCrossings();
-  void SearchElements(const Cell& low, const Cell& high, Found& found) const;
-  void SearchElement(const Cell& element, const ParameterBox& box, Found& found) const;
-  void SearchBox(
-    Cell low, Cell high, const Bernstein& f, std::vector<Cell>& cells, Found& found) const;
-  void SignCells(const std::vector<Cell>& cells, bool certified, Found& found) const;
-  /// Whether a zero in a cell can neither be excluded nor shows as a sign change at corners.
-  [[nodiscard]] bool IsUndecided(const Bernstein& f) const;
-  [[nodiscard]] bool IsExcluded(const Bernstein& f, int depth) const;
+  // Search: ZeroSetSearch.cxx
+  void SearchRoots(const Node& low, const Node& high, std::vector<Box>& found) const;
+  struct Visited;
+  void Visit(const Box& box, BoxSpline& f, Visited& visited) const;
+  /// A direction in which the zero set is a graph, on the box and on its faces in creases.
+  struct Height
+  {
+    int Axis = -1;
+    double Steepness = 0.0; ///< least slope in it by the greatest in any direction
+  };
+  [[nodiscard]] Height FindHeight(const Box& box, const BoxSpline& f) const;
+  /// Leaf::Flat, and in `touches` whether a zero face is on no side the end of negative f.
+  [[nodiscard]] unsigned FindFlat(const Box& box, const BoxSpline& f, bool& touches) const;
+  [[nodiscard]] bool IsGraph(const BoxSpline& f, const std::array<Part, 3>& part) const;
+  void VisitSampled(const Box& box, Visited& visited) const;
+  [[nodiscard]] ParameterBox Parameters(const Box& box) const;
+  [[nodiscard]] double Width(const Box& box) const;
+  [[nodiscard]] bool IsTooLarge(const Box& box, const Height& height) const;
+
+  // Curves: ZeroSetCurves.cxx
+  void CollectNodes();
+  bool AddNode(const Node& node);
+  bool Trace();
+  [[nodiscard]] std::optional<Index> FindNode(const Node& node) const;
+  using VisitPart = std::function<void(const Node& low, int size)>;
+  void ForMinimalFaces(const Node& low, int size, int normal, const VisitPart& visit) const;
+  void ForMinimalEdges(const Node& low, int size, int axis, const VisitPart& visit) const;
+  void TraceFace(const Node& low, int size, int normal);
+  /// Whether a leaf draws the face on which f is 0: where signs at corners do not show it.
+  [[nodiscard]] bool IsDrawn(const Leaf& leaf, int normal, bool high) const;
+  void TraceFlat(const Node& low, int size, int normal);
+  Index VertexOn(const Node& low, int size, int axis);
   bool FindVertices();
-  bool EvaluateVertices();
-  void MakeCells();
-  void Triangulate(const std::vector<Index>& ring, const std::vector<CellEdge>& edges,
-    std::vector<std::array<Index, 3>>& triangles) const;
-  /// Where the surface only touches a corner there is a vertex but no cell.
-  void DropUnusedPoints();
-  bool MeasureErrors();
-  void MeasureCells(Index begin, Index end, ZeroSetCertificate& certificate,
-    std::array<std::vector<int>, 3>& wanted) const;
+  /// Joins vertices that lie close together around a node, and the curves that become one by that.
+  void Snap();
+  bool FindCurves();
+  void Bend(Index begin, Index end, Samples& found);
+  /// The error of the chords of curves, by their tolerance: of curve k the `counts[k]` samples
+  /// from `firsts[k]` on; `places` are where on each chord it is measured.
+  void MeasureCurves(Index begin, const std::vector<std::size_t>& which,
+    const std::vector<Index>& firsts, const std::vector<Index>& counts, const Samples& samples,
+    const std::vector<int>& axisOf, const std::vector<double>& places,
+    std::vector<double>& errors) const;
+  /// Moves points along one axis each onto f = 0; `projected`: where that worked.
+  void Project(
+    Eigen::Matrix3Xd& parameters, const std::vector<int>& axes, std::vector<char>& projected) const;
+  void Evaluate(Samples& samples, Index begin, Index end) const;
+  /// \param derivatives of the geometry, 3 m
+  [[nodiscard]] Eigen::Vector3d Normal(
+    const double* derivatives, const Eigen::Vector3d& gradient) const;
+  void Copy(const Samples& from, Index first, Samples& to, Index at, Index count) const;
 
-  [[nodiscard]] Index Corner(const Cell& at) const
+  // Facets: ZeroSetFacets.cxx
+  bool Fill();
+  [[nodiscard]] std::optional<Shape> Probe(
+    const Eigen::Vector3d& start, const Eigen::Vector3d& width, int axis) const;
+  void FillLeaf(const Leaf& leaf, Scratch& scratch, Facets& facets) const;
+  void FindFlatLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
+  void FindLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
+  void FillLoop(
+    const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
+  bool FillSheet(
+    const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
+  /// One try of it.
+  /// \param density multiplies the metric
+  /// \param limit if not 0, it is given up where most triangles miss a tolerance; then there are no
+  /// cells, and the factor by which they do is returned
+  /// \returns the largest error by its tolerance, or -1 where the loop is no simple polygon
+  double FillSheet(const Shape& shape, double turn, double density, double limit,
+    const Eigen::Vector3d& width, const std::vector<Index>& loop, Scratch& scratch,
+    Facets& facets) const;
+  void FillPolygon(const std::vector<Index>& loop, Facets& facets) const;
+  struct Error
   {
-    return at[0] + this->Counts[0] * (at[1] + this->Counts[1] * static_cast<Index>(at[2]));
-  }
-  [[nodiscard]] Cell CornerOfKey(Index key) const;
-  /// Whether the mesh has a vertex in a corner of the cell where f is zero.
-  [[nodiscard]] bool IsDrawn(const CrossedCell& touched) const;
-  [[nodiscard]] double Line(int direction, int i) const
+    double Distance, Attribute;
+  };
+  /// \param boundary the first points of the triangulation are those of the loop
+  /// \param missing triangles that miss a tolerance, and by which factor
+  /// \returns the largest error by its tolerance
+  double MeasureFacets(const FacetTriangulation& triangulation, int boundary,
+    const std::vector<Index>& loop, const std::vector<Index>& innerOf, Facets& facets,
+    std::vector<std::pair<int, double>>& missing) const;
+  /// Of linear cells, at points inside them.
+  void Measure(const Middles& middles, std::vector<Error>& errors) const;
+
+  // Mesh: ZeroSetMesh.cxx
+  void Assemble();
+  void MendNormals();
+
+  [[nodiscard]] double Line(int direction, int line) const
   {
-    return this->Lines[static_cast<std::size_t>(direction)][static_cast<std::size_t>(i)];
+    return this->Lines[static_cast<std::size_t>(direction)].Parameter(line);
   }
-  [[nodiscard]] double Width(const Cell& at) const;
-  /// Intervals of the grid (between breaks) that hold a cell.
-  [[nodiscard]] int Interval(int direction, int line) const
+  [[nodiscard]] Eigen::Vector3d ParameterOf(const Node& node) const
   {
-    return this
-      ->IntervalOfLine[static_cast<std::size_t>(direction)][static_cast<std::size_t>(line)];
+    return { this->Line(0, node[0]), this->Line(1, node[1]), this->Line(2, node[2]) };
   }
-  void Want(
-    const Cell& at, double factor, std::array<std::vector<int>, 3>& wanted, bool& reached) const;
 
   std::shared_ptr<const PreparedAggregate> Prepared;
   const Aggregate& Body;
@@ -112,16 +243,33 @@ private:
   const Evaluator& Geometry;
   std::vector<const Evaluator*> Attributes;
   std::vector<int> Axes; ///< the directions that are there
-  std::array<std::vector<double>, 3> Lines;
-  std::array<std::vector<int>, 3> IntervalOfLine;
-  std::array<std::vector<double>, 3> Creases; ///< parameters where mesh edges follow the geometry
-  std::array<Index, 3> Counts{};              ///< of lines
+  std::array<std::vector<double>, 3> BreakAt;
+  std::array<std::vector<bool>, 3> IsCreaseAt;
+  std::array<CellLines, 3> Lines;
+  Eigen::Vector3d Scale;     ///< of parameters: 1 is the width of a root cell
+  Eigen::Vector3d Low, High; ///< the domain
+  double DomainWidth = 0.0;  ///< the longest line through the middle of it, in space
 
-  std::vector<CrossedCell> Crossed;
-  std::vector<Crossing> Vertices; ///< unique, sorted by key
-  std::vector<Cell> CellOfPiece;  ///< per mesh cell
+  std::vector<Leaf> Leaves;
+  std::unordered_map<std::array<int, 4>, Index, HashNode> Nodes; ///< corners of boxes
+  std::vector<Node> NodeAt;
+  std::vector<double> NodeValues;
   double LargestValue = 0.0;
-  Index Sampled = 0;
+  double LargestAtVertices = 0.0;
+  struct Vertex
+  {
+    Node At;
+    int Axis; ///< 3: the node itself
+    int Size;
+    double FLow, FHigh;
+  };
+  std::vector<Vertex> Vertices; ///< the first shared points
+  std::unordered_map<std::array<int, 4>, Index, HashNode> VertexOfEdge;
+  std::unordered_map<std::array<int, 4>, std::array<Index, 2>, HashNode> CurvesOfFace;
+  std::vector<Curve> Curves;
+  std::vector<Index> CurveOf; ///< the first of the curves with the same ends; -1: no length
+  Samples Shared;
+  std::vector<Facets> Pieces; ///< per leaf
 };
 
 }

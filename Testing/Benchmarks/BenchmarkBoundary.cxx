@@ -176,9 +176,7 @@ void SheetOfRealFile(benchmark::State& state)
   for (auto _ : state)
   {
     ZeroSet sheet(body, field, options);
-    while (sheet.Extract() && sheet.Refine())
-    {
-    }
+    sheet.Extract();
     triangles = sheet.Mesh().Cells.cols();
     certificate = sheet.Certificate();
   }

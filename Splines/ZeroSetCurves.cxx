@@ -1,0 +1,985 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ZeroSetWorker.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_set>
+
+namespace hyperpatch
+{
+
+namespace
+{
+
+/// What two parameters must differ by to be told apart after a sum or product.
+double Resolution(double a, double b)
+{
+  return std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
+}
+
+constexpr std::int64_t MostCurvePoints = 4096;
+
+}
+
+void ZeroSet::Worker::Samples::Resize(const Worker& worker, Index count)
+{
+  this->Parameters.conservativeResize(3, count);
+  this->Points.conservativeResize(3, count);
+  this->Normals.conservativeResize(3, count);
+  this->Attributes.resize(worker.Attributes.size());
+  for (std::size_t a = 0; a < this->Attributes.size(); ++a)
+  {
+    this->Attributes[a].conservativeResize(worker.Attributes[a]->Components(), count);
+  }
+}
+
+void ZeroSet::Worker::Evaluate(Samples& samples, Index begin, Index end) const
+{
+  const int m = this->Geometry.Components();
+  Eigen::MatrixXd points(m, std::min(end - begin, Batch));
+  Eigen::MatrixXd derivatives(3 * m, points.cols());
+  std::vector<double> values(static_cast<std::size_t>(points.cols()));
+  Eigen::Matrix3Xd gradients(3, points.cols());
+  for (Index first = begin; first < end; first += Batch)
+  {
+    const Index count = std::min(Batch, end - first);
+    const auto n = static_cast<std::size_t>(count);
+    const double* parameters = samples.Parameters.col(first).data();
+    this->Geometry.EvaluateWithDerivatives(n, parameters, points.data(), derivatives.data());
+    samples.Points.middleCols(first, count).setZero();
+    samples.Points.block(0, first, m, count) = points.leftCols(count);
+    this->Field.EvaluateWithGradient(n, parameters, values.data(), gradients.data());
+    this->Field.Snap(n, samples.Points.col(first).data());
+    for (std::size_t a = 0; a < this->Attributes.size(); ++a)
+    {
+      this->Attributes[a]->Evaluate(n, parameters, samples.Attributes[a].col(first).data());
+    }
+    for (Index i = 0; i < count; ++i)
+    {
+      samples.Normals.col(first + i) = this->Normal(derivatives.col(i).data(), gradients.col(i));
+    }
+  }
+}
+
+Eigen::Vector3d ZeroSet::Worker::Normal(
+  const double* derivatives, const Eigen::Vector3d& gradient) const
+{
+  const int m = this->Geometry.Components();
+  Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
+  for (int d = 0; d < 3; ++d)
+  {
+    J.col(d).head(m) = Eigen::Map<const Eigen::VectorXd>(derivatives + m * d, m);
+  }
+  // cof(J) grad f: the physical gradient times det J, so it does not flip across folds.
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  if (this->Axes.size() == 3)
+  {
+    normal = this->Options.Handedness *
+      (gradient[0] * J.col(1).cross(J.col(2)) + gradient[1] * J.col(2).cross(J.col(0)) +
+        gradient[2] * J.col(0).cross(J.col(1)));
+  }
+  else if (this->Axes.size() == 2)
+  {
+    normal = J.col(this->Axes[0]).cross(J.col(this->Axes[1]));
+  }
+  const double norm = normal.norm();
+  return norm > 0.0 ? Eigen::Vector3d(normal / norm) : normal;
+}
+
+std::optional<ZeroSet::Worker::Index> ZeroSet::Worker::FindNode(const Node& node) const
+{
+  const auto found = this->Nodes.find({ node[0], node[1], node[2], 0 });
+  return found == this->Nodes.end() ? std::nullopt : std::optional<Index>(found->second);
+}
+
+void ZeroSet::Worker::ForMinimalFaces(
+  const Node& low, int size, int normal, const VisitPart& visit) const
+{
+  const auto b = static_cast<std::size_t>((normal + 1) % 3);
+  const auto c = static_cast<std::size_t>((normal + 2) % 3);
+  Node centre = low;
+  centre[b] += size / 2;
+  centre[c] += size / 2;
+  if (size > 1 && this->Axes.size() == 3 && this->FindNode(centre))
+  {
+    // A box on one of the two sides was halved.
+    for (int i = 0; i < 4; ++i)
+    {
+      Node at = low;
+      at[b] += (i & 1) * (size / 2);
+      at[c] += (i >> 1) * (size / 2);
+      this->ForMinimalFaces(at, size / 2, normal, visit);
+    }
+    return;
+  }
+  visit(low, size);
+}
+
+void ZeroSet::Worker::ForMinimalEdges(
+  const Node& low, int size, int axis, const VisitPart& visit) const
+{
+  Node middle = low;
+  middle[static_cast<std::size_t>(axis)] += size / 2;
+  if (size > 1 && this->FindNode(middle))
+  {
+    this->ForMinimalEdges(low, size / 2, axis, visit);
+    this->ForMinimalEdges(middle, size / 2, axis, visit);
+    return;
+  }
+  visit(low, size);
+}
+
+ZeroSet::Worker::Index ZeroSet::Worker::VertexOn(const Node& low, int size, int axis)
+{
+  Node high = low;
+  high[static_cast<std::size_t>(axis)] += size;
+  const double f0 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(low))];
+  const double f1 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(high))];
+  // Only a positive end can be zero; then the vertex is that node.
+  Vertex vertex{ low, axis, size, f0, f1 };
+  if (f0 == 0.0 || f1 == 0.0)
+  {
+    vertex = { f0 == 0.0 ? low : high, 3, 0, 0.0, 0.0 };
+  }
+  const auto [at, isNew] =
+    this->VertexOfEdge.try_emplace({ vertex.At[0], vertex.At[1], vertex.At[2], vertex.Axis },
+      static_cast<Index>(this->Vertices.size()));
+  if (isNew)
+  {
+    this->Vertices.push_back(vertex);
+  }
+  return at->second;
+}
+
+void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
+{
+  const auto first = static_cast<Index>(this->Curves.size());
+  const auto [record, isNew] = this->CurvesOfFace.try_emplace(
+    { low[0], low[1], low[2], normal }, std::array<Index, 2>{ first, 0 });
+  if (!isNew)
+  {
+    return;
+  }
+  // Once around, counter-clockwise seen from the end of the normal axis.
+  const int b = (normal + 1) % 3;
+  const int c = (normal + 2) % 3;
+  struct Crossing
+  {
+    Index Vertex;
+    bool ToNegative;
+  };
+  std::vector<Crossing> crossings;
+  const auto side = [&](const Node& from, int axis, bool forward)
+  {
+    std::vector<std::pair<Node, int>> edges;
+    this->ForMinimalEdges(
+      from, size, axis, [&edges](const Node& at, int length) { edges.emplace_back(at, length); });
+    if (!forward)
+    {
+      std::reverse(edges.begin(), edges.end());
+    }
+    for (const auto& [at, length] : edges)
+    {
+      Node end = at;
+      end[static_cast<std::size_t>(axis)] += length;
+      const bool p0 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(at))] >= 0.0;
+      const bool p1 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(end))] >= 0.0;
+      if (p0 != p1)
+      {
+        crossings.push_back({ this->VertexOn(at, length, axis), forward ? p0 : p1 });
+      }
+    }
+  };
+  Node right = low;
+  right[static_cast<std::size_t>(b)] += size;
+  Node top = low;
+  top[static_cast<std::size_t>(c)] += size;
+  side(low, b, true);
+  side(right, c, true);
+  side(top, b, false);
+  side(low, c, false);
+  if (crossings.empty())
+  {
+    return;
+  }
+  bool cutNegative = true;
+  if (crossings.size() > 2)
+  {
+    Node opposite = right;
+    opposite[static_cast<std::size_t>(c)] += size;
+    const Eigen::Vector3d middle = 0.5 * (this->ParameterOf(low) + this->ParameterOf(opposite));
+    double value = 0.0;
+    this->Field.Evaluate(1, middle.data(), &value);
+    cutNegative = value >= 0.0;
+  }
+  const auto n = static_cast<std::size_t>(normal);
+  const bool onCrease = this->Axes.size() == 3 && this->Lines[n].IsCrease(low[n]);
+  for (std::size_t i = 0; i < crossings.size(); ++i)
+  {
+    if (!crossings[i].ToNegative)
+    {
+      continue;
+    }
+    // From where the walk leaves the positive side: around what follows, or around what was.
+    const std::size_t other = (cutNegative ? i + 1 : i + crossings.size() - 1) % crossings.size();
+    this->Curves.push_back(
+      { crossings[i].Vertex, crossings[other].Vertex, 0, 0, normal, onCrease });
+  }
+  record->second[1] = static_cast<Index>(this->Curves.size()) - first;
+}
+
+bool ZeroSet::Worker::IsDrawn(const Leaf& leaf, int normal, bool high) const
+{
+  if ((leaf.Flat >> (2 * normal + (high ? 1 : 0)) & 1u) == 0)
+  {
+    return false;
+  }
+  const auto& [low, size] = leaf.At;
+  for (int c = 0; c < 8; ++c)
+  {
+    const Node node{ low[0] + (c & 1) * size, low[1] + (c >> 1 & 1) * size,
+      low[2] + (c >> 2) * size };
+    const double value = this->NodeValues[static_cast<std::size_t>(*this->FindNode(node))];
+    const bool onFace = ((c >> normal & 1) != 0) == high;
+    if (onFace ? value != 0.0 : value < 0.0)
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
+void ZeroSet::Worker::TraceFlat(const Node& low, int size, int normal)
+{
+  // Its outline, counter-clockwise seen from the end of the normal axis.
+  const auto first = static_cast<Index>(this->Curves.size());
+  const auto b = static_cast<std::size_t>((normal + 1) % 3);
+  const auto c = static_cast<std::size_t>((normal + 2) % 3);
+  const auto vertexAt = [this](const Node& node)
+  {
+    const auto [at, isNew] = this->VertexOfEdge.try_emplace(
+      { node[0], node[1], node[2], 3 }, static_cast<Index>(this->Vertices.size()));
+    if (isNew)
+    {
+      this->Vertices.push_back({ node, 3, 0, 0.0, 0.0 });
+    }
+    return at->second;
+  };
+  const auto side = [&](const Node& from, std::size_t axis, bool forward)
+  {
+    std::vector<Curve> curves;
+    this->ForMinimalEdges(from, size, static_cast<int>(axis),
+      [&](const Node& at, int length)
+      {
+        Node end = at;
+        end[axis] += length;
+        curves.push_back(
+          { vertexAt(forward ? at : end), vertexAt(forward ? end : at), 0, 0, normal, true });
+      });
+    if (!forward)
+    {
+      std::reverse(curves.begin(), curves.end());
+    }
+    this->Curves.insert(this->Curves.end(), curves.begin(), curves.end());
+  };
+  Node right = low;
+  right[b] += size;
+  Node top = low;
+  top[c] += size;
+  side(low, b, true);
+  side(right, c, true);
+  side(top, b, false);
+  side(low, c, false);
+  this->CurvesOfFace[{ low[0], low[1], low[2], 3 + normal }] = { first,
+    static_cast<Index>(this->Curves.size()) - first };
+}
+
+bool ZeroSet::Worker::AddNode(const Node& node)
+{
+  const bool isNew =
+    this->Nodes
+      .try_emplace({ node[0], node[1], node[2], 0 }, static_cast<Index>(this->NodeAt.size()))
+      .second;
+  if (isNew)
+  {
+    this->NodeAt.push_back(node);
+  }
+  return isNew;
+}
+
+void ZeroSet::Worker::CollectNodes()
+{
+  this->Nodes.clear();
+  this->NodeAt.clear();
+  const auto addCorners = [this](const Box& box, int divisions)
+  {
+    std::array<int, 3> count{ 1, 1, 1 };
+    for (const int d : this->Axes)
+    {
+      count[static_cast<std::size_t>(d)] = divisions + 1;
+    }
+    const int step = box.Size / divisions;
+    for (int i = 0; i < count[0] * count[1] * count[2]; ++i)
+    {
+      this->AddNode(
+        { box.Low[0] + step * (i % count[0]), box.Low[1] + step * (i / count[0] % count[1]),
+          box.Low[2] + step * (i / (count[0] * count[1])) });
+    }
+  };
+  // The corners of leaves, and the places where boxes around them were halved.
+  std::unordered_set<std::array<int, 4>, HashNode> halved;
+  for (const Leaf& leaf : this->Leaves)
+  {
+    addCorners(leaf.At, 1);
+    for (Box box = leaf.At; box.Size < CellLines::RootSize;)
+    {
+      box.Size *= 2;
+      for (const int d : this->Axes)
+      {
+        box.Low[static_cast<std::size_t>(d)] &= ~(box.Size - 1);
+      }
+      if (!halved.insert({ box.Low[0], box.Low[1], box.Low[2], box.Size }).second)
+      {
+        break;
+      }
+      addCorners(box, 2);
+    }
+  }
+}
+
+std::vector<std::array<int, 2>> ZeroSet::Worker::NodesOn(int side) const
+{
+  const auto d = static_cast<std::size_t>(side / 2);
+  const CellLines& lines = this->Lines[d];
+  const int line = (side % 2 != 0) != lines.IsMirrored() ? lines.Length() : 0;
+  std::vector<std::array<int, 2>> nodes;
+  for (const Node& node : this->NodeAt)
+  {
+    if (node[d] == line)
+    {
+      nodes.push_back({ node[d == 0 ? 1 : 0], node[d == 2 ? 1 : 2] });
+    }
+  }
+  return nodes;
+}
+
+bool ZeroSet::Worker::AddNodes(int side, const std::vector<std::array<int, 2>>& nodes)
+{
+  const auto d = static_cast<std::size_t>(side / 2);
+  const CellLines& lines = this->Lines[d];
+  bool any = false;
+  for (const auto& [first, second] : nodes)
+  {
+    Node node{};
+    node[d] = (side % 2 != 0) != lines.IsMirrored() ? lines.Length() : 0;
+    node[d == 0 ? 1 : 0] = first;
+    node[d == 2 ? 1 : 2] = second;
+    any = this->AddNode(node) || any;
+  }
+  return any;
+}
+
+bool ZeroSet::Worker::Trace()
+{
+  this->VertexOfEdge.clear();
+  this->CurvesOfFace.clear();
+  this->Vertices.clear();
+  this->Curves.clear();
+  Eigen::Matrix3Xd parameters(3, static_cast<Index>(this->NodeAt.size()));
+  this->NodeValues.resize(this->Nodes.size());
+  if (!this->Parallel(static_cast<Index>(this->NodeValues.size()), Batch,
+        [&](Index begin, Index end)
+        {
+          for (Index i = begin; i < end; ++i)
+          {
+            parameters.col(i) = this->ParameterOf(this->NodeAt[static_cast<std::size_t>(i)]);
+          }
+          this->Field.Evaluate(static_cast<std::size_t>(end - begin), parameters.col(begin).data(),
+            &this->NodeValues[static_cast<std::size_t>(begin)]);
+        }))
+  {
+    return false;
+  }
+  this->LargestValue = 0.0;
+  for (const double value : this->NodeValues)
+  {
+    this->LargestValue = std::max(this->LargestValue, std::abs(value));
+  }
+
+  for (const Leaf& leaf : this->Leaves)
+  {
+    const auto& [low, size] = leaf.At;
+    if (this->Axes.size() == 3)
+    {
+      for (int normal = 0; normal < 3; ++normal)
+      {
+        for (const int end : { 0, size })
+        {
+          Node corner = low;
+          corner[static_cast<std::size_t>(normal)] += end;
+          this->ForMinimalFaces(corner, size, normal,
+            [this, normal](const Node& at, int s) { this->TraceFace(at, s, normal); });
+          if (this->IsDrawn(leaf, normal, end > 0))
+          {
+            this->TraceFlat(corner, size, normal);
+          }
+        }
+      }
+    }
+    else if (this->Axes.size() == 2)
+    {
+      this->TraceFace(low, size, 3 - this->Axes[0] - this->Axes[1]);
+    }
+    else
+    {
+      this->ForMinimalEdges(low, size, this->Axes[0],
+        [this](const Node& at, int s)
+        {
+          Node end = at;
+          end[static_cast<std::size_t>(this->Axes[0])] += s;
+          const double f0 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(at))];
+          const double f1 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(end))];
+          if ((f0 >= 0.0) != (f1 >= 0.0))
+          {
+            this->VertexOn(at, s, this->Axes[0]);
+          }
+        });
+    }
+  }
+  if (!this->FindVertices())
+  {
+    return false;
+  }
+  this->Snap();
+  return this->FindCurves();
+}
+
+bool ZeroSet::Worker::FindVertices()
+{
+  const auto count = static_cast<Index>(this->Vertices.size());
+  this->Shared.Resize(*this, count);
+  std::vector<double> residuals(static_cast<std::size_t>((count + Batch - 1) / Batch), 0.0);
+  const bool finished = this->Parallel(count, Batch,
+    [&](Index begin, Index end)
+    {
+      // Bracketed roots along edges, all of a batch in step: false position with Illinois' halved
+      // weights, and a bisection wherever it does not halve the bracket in three steps.
+      struct Bracket
+      {
+        Index Vertex;
+        int Axis;
+        double Low, High, FLow, FHigh;
+        double WeightLow, WeightHigh; ///< Illinois: of an end that stays
+        double Width;
+        int Side, Steps;
+      };
+      constexpr int Most = 4 * 64; // steps, should every bracket have to be bisected
+      std::vector<Bracket> open;
+      std::vector<double> parameters;
+      std::vector<double> values;
+      double& residual = residuals[static_cast<std::size_t>(begin / Batch)];
+      for (Index v = begin; v < end; ++v)
+      {
+        const Vertex& vertex = this->Vertices[static_cast<std::size_t>(v)];
+        this->Shared.Parameters.col(v) = this->ParameterOf(vertex.At);
+        if (vertex.Axis < 3)
+        {
+          const auto axis = static_cast<std::size_t>(vertex.Axis);
+          double low = this->Line(vertex.Axis, vertex.At[axis]);
+          double high = this->Line(vertex.Axis, vertex.At[axis] + vertex.Size);
+          double fLow = vertex.FLow;
+          double fHigh = vertex.FHigh;
+          if (high < low)
+          {
+            std::swap(low, high);
+            std::swap(fLow, fHigh);
+          }
+          open.push_back({ v, vertex.Axis, low, high, fLow, fHigh, 1.0, 1.0, high - low, 0, 0 });
+        }
+      }
+      for (int iteration = 0; !open.empty(); ++iteration)
+      {
+        parameters.resize(3 * open.size());
+        values.resize(open.size());
+        for (std::size_t b = 0; b < open.size(); ++b)
+        {
+          Bracket& o = open[b];
+          const double low = o.WeightLow * o.FLow;
+          const double high = o.WeightHigh * o.FHigh;
+          double t = o.Low - low * (o.High - o.Low) / (high - low);
+          if (o.Steps == 3)
+          {
+            o.Steps = 0;
+            if (o.High - o.Low > 0.5 * o.Width)
+            {
+              t = 0.5 * (o.Low + o.High);
+              o.WeightLow = o.WeightHigh = 1.0;
+              o.Side = 0;
+            }
+            o.Width = o.High - o.Low;
+          }
+          ++o.Steps;
+          // Never closer to an end than it matters: so a root beside an end closes the bracket.
+          const double step = std::min(Resolution(o.Low, o.High), 0.5 * (o.High - o.Low));
+          t = t > o.Low + step ? t : o.Low + step;
+          t = t < o.High - step ? t : o.High - step;
+          for (int d = 0; d < 3; ++d)
+          {
+            parameters[3 * b + static_cast<std::size_t>(d)] = this->Shared.Parameters(d, o.Vertex);
+          }
+          parameters[3 * b + static_cast<std::size_t>(o.Axis)] = t;
+        }
+        this->Field.Evaluate(open.size(), parameters.data(), values.data());
+        std::size_t kept = 0;
+        for (std::size_t b = 0; b < open.size(); ++b)
+        {
+          Bracket o = open[b];
+          const double t = parameters[3 * b + static_cast<std::size_t>(o.Axis)];
+          const double f = values[b];
+          if ((f >= 0.0) == (o.FHigh >= 0.0))
+          {
+            o.High = t;
+            o.FHigh = f;
+            o.WeightHigh = 1.0;
+            o.WeightLow *= o.Side == 1 ? 0.5 : 1.0;
+            o.Side = 1;
+          }
+          else
+          {
+            o.Low = t;
+            o.FLow = f;
+            o.WeightLow = 1.0;
+            o.WeightHigh *= o.Side == -1 ? 0.5 : 1.0;
+            o.Side = -1;
+          }
+          if (f == 0.0 || o.High - o.Low <= 2.0 * Resolution(o.Low, o.High) || iteration == Most ||
+            !std::isfinite(f))
+          {
+            const bool low = std::abs(o.FLow) < std::abs(o.FHigh);
+            this->Shared.Parameters(o.Axis, o.Vertex) = low ? o.Low : o.High;
+            residual = std::max(residual, std::abs(low ? o.FLow : o.FHigh));
+          }
+          else
+          {
+            open[kept++] = o;
+          }
+        }
+        open.resize(kept);
+      }
+      this->Evaluate(this->Shared, begin, end);
+    });
+  for (const double residual : residuals)
+  {
+    this->LargestAtVertices = std::max(this->LargestAtVertices, residual);
+  }
+  return finished;
+}
+
+void ZeroSet::Worker::Snap()
+{
+  // Vertices of the edges around a node, if they are near to it: (node, vertex).
+  constexpr double Near = 0.1;
+  std::vector<std::pair<Node, Index>> around;
+  for (std::size_t v = 0; v < this->Vertices.size(); ++v)
+  {
+    const Vertex& vertex = this->Vertices[v];
+    Node node = vertex.At;
+    if (vertex.Axis < 3)
+    {
+      const auto axis = static_cast<std::size_t>(vertex.Axis);
+      const double low = this->Line(vertex.Axis, node[axis]);
+      const double high = this->Line(vertex.Axis, node[axis] + vertex.Size);
+      const double x = this->Shared.Parameters(vertex.Axis, static_cast<Index>(v));
+      const double t = (x - low) / (high - low);
+      if (t > Near && t < 1.0 - Near)
+      {
+        continue;
+      }
+      node[axis] += t > 0.5 ? vertex.Size : 0;
+    }
+    around.emplace_back(node, static_cast<Index>(v));
+  }
+  std::sort(around.begin(), around.end());
+  std::vector<Index> vertexOf(this->Vertices.size());
+  for (std::size_t v = 0; v < vertexOf.size(); ++v)
+  {
+    vertexOf[v] = static_cast<Index>(v);
+  }
+  for (std::size_t first = 0, end = 0; first < around.size(); first = end)
+  {
+    const Node& node = around[first].first;
+    while (end < around.size() && around[end].first == node)
+    {
+      ++end;
+    }
+    // The creases through the node in which the edge of a vertex does not lie. One that stays in
+    // all of them can stand for the others.
+    const auto leaves = [&](Index v)
+    {
+      const int axis = this->Vertices[static_cast<std::size_t>(v)].Axis;
+      return axis < 3 &&
+          this->Lines[static_cast<std::size_t>(axis)].IsCrease(node[static_cast<std::size_t>(axis)])
+        ? 1
+        : 0;
+    };
+    const auto best = std::min_element(around.begin() + static_cast<std::ptrdiff_t>(first),
+      around.begin() + static_cast<std::ptrdiff_t>(end),
+      [&](const auto& a, const auto& b) { return leaves(a.second) < leaves(b.second); });
+    for (std::size_t i = first; i < end; ++i)
+    {
+      const Index v = around[i].second;
+      if (leaves(best->second) == 0 || v == best->second)
+      {
+        vertexOf[static_cast<std::size_t>(v)] = best->second;
+      }
+    }
+  }
+  this->CurveOf.resize(this->Curves.size());
+  std::unordered_map<std::array<int, 4>, Index, HashNode> curveOfEnds;
+  for (std::size_t c = 0; c < this->Curves.size(); ++c)
+  {
+    Curve& curve = this->Curves[c];
+    curve.From = vertexOf[static_cast<std::size_t>(curve.From)];
+    curve.To = vertexOf[static_cast<std::size_t>(curve.To)];
+    if (curve.From == curve.To)
+    {
+      this->CurveOf[c] = -1;
+      continue;
+    }
+    const auto [low, high] = std::minmax(curve.From, curve.To);
+    const auto [same, isNew] = curveOfEnds.try_emplace(
+      { static_cast<int>(low), static_cast<int>(high), 0, 0 }, static_cast<Index>(c));
+    if (!isNew && curve.IsOnCrease)
+    {
+      // The one that has to stay in a plane is right for all.
+      Curve& kept = this->Curves[static_cast<std::size_t>(same->second)];
+      if (!kept.IsOnCrease)
+      {
+        kept.IsOnCrease = true;
+        kept.Normal = curve.Normal;
+      }
+    }
+    this->CurveOf[c] = same->second;
+  }
+}
+
+void ZeroSet::Worker::Project(
+  Eigen::Matrix3Xd& parameters, const std::vector<int>& axes, std::vector<char>& projected) const
+{
+  const Index count = parameters.cols();
+  projected.assign(static_cast<std::size_t>(count), 0);
+  std::vector<Index> open(static_cast<std::size_t>(count));
+  for (Index i = 0; i < count; ++i)
+  {
+    open[static_cast<std::size_t>(i)] = i;
+  }
+  Eigen::Matrix3Xd at(3, count);
+  Eigen::Matrix3Xd gradients(3, count);
+  std::vector<double> values(static_cast<std::size_t>(count));
+  constexpr int Most = 12;
+  for (int iteration = 0; iteration < Most && !open.empty(); ++iteration)
+  {
+    for (std::size_t k = 0; k < open.size(); ++k)
+    {
+      at.col(static_cast<Index>(k)) = parameters.col(open[k]);
+    }
+    this->Field.EvaluateWithGradient(open.size(), at.data(), values.data(), gradients.data());
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < open.size(); ++k)
+    {
+      const Index i = open[k];
+      const int axis = axes[static_cast<std::size_t>(i)];
+      const double slope = gradients(axis, static_cast<Index>(k));
+      double& x = parameters(axis, i);
+      const double before = x;
+      const double step = values[k] != 0.0 ? values[k] / slope : 0.0;
+      x = std::min(std::max(before - step, this->Low[axis]), this->High[axis]);
+      // The next step would be smaller than round-off: quadratic convergence.
+      if (std::abs(step) <= 1e-9 * (this->High[axis] - this->Low[axis]))
+      {
+        projected[static_cast<std::size_t>(i)] = 1;
+      }
+      else if (std::isfinite(x))
+      {
+        open[kept++] = i;
+      }
+      else
+      {
+        x = before;
+      }
+    }
+    open.resize(kept);
+  }
+}
+
+bool ZeroSet::Worker::FindCurves()
+{
+  // First how many points each curve needs, from its middle; then all of them, and more where they
+  // turn out to be too few.
+  const auto count = static_cast<Index>(this->Curves.size());
+  constexpr Index Grain = 64;
+  std::vector<Samples> found(static_cast<std::size_t>((count + Grain - 1) / Grain));
+  const bool finished = this->Parallel(count, Grain,
+    [&](Index begin, Index end)
+    { this->Bend(begin, end, found[static_cast<std::size_t>(begin / Grain)]); });
+  if (!finished)
+  {
+    return false;
+  }
+  Index total = this->Shared.Count();
+  std::vector<Index> start;
+  for (const Samples& samples : found)
+  {
+    start.push_back(total);
+    total += samples.Count();
+  }
+  this->Shared.Resize(*this, total);
+  for (std::size_t chunk = 0; chunk < found.size(); ++chunk)
+  {
+    const Samples& s = found[chunk];
+    this->Shared.Parameters.middleCols(start[chunk], s.Count()) = s.Parameters;
+    this->Shared.Points.middleCols(start[chunk], s.Count()) = s.Points;
+    this->Shared.Normals.middleCols(start[chunk], s.Count()) = s.Normals;
+    for (std::size_t a = 0; a < s.Attributes.size(); ++a)
+    {
+      this->Shared.Attributes[a].middleCols(start[chunk], s.Count()) = s.Attributes[a];
+    }
+    const Index first = static_cast<Index>(chunk) * Grain;
+    for (Index c = first; c < std::min(count, first + Grain); ++c)
+    {
+      this->Curves[static_cast<std::size_t>(c)].First += start[chunk];
+    }
+  }
+  return true;
+}
+
+void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
+{
+  const auto n = static_cast<std::size_t>(end - begin);
+  const auto curve = [this, begin](std::size_t k) -> Curve&
+  { return this->Curves[static_cast<std::size_t>(begin) + k]; };
+  // The axis along which points of the chord are moved onto the surface: the steepest at the ends,
+  // in the face itself where that is one of the domain or a crease.
+  std::vector<int> axisOf(n);
+  {
+    Eigen::Matrix3Xd ends(3, 2 * static_cast<Index>(n));
+    for (std::size_t k = 0; k < n; ++k)
+    {
+      ends.col(static_cast<Index>(2 * k)) = this->Shared.Parameters.col(curve(k).From);
+      ends.col(static_cast<Index>(2 * k + 1)) = this->Shared.Parameters.col(curve(k).To);
+    }
+    std::vector<double> values(2 * n);
+    Eigen::Matrix3Xd g(3, ends.cols());
+    this->Field.EvaluateWithGradient(2 * n, ends.data(), values.data(), g.data());
+    for (std::size_t k = 0; k < n; ++k)
+    {
+      const auto i = static_cast<Index>(2 * k);
+      double best = -1.0;
+      for (const int d : this->Axes)
+      {
+        if (curve(k).IsOnCrease && d == curve(k).Normal)
+        {
+          continue;
+        }
+        const double product = g(d, i) * g(d, i + 1);
+        const double steep =
+          product > 0.0 ? std::min(std::abs(g(d, i)), std::abs(g(d, i + 1))) * this->Scale[d] : 0.0;
+        if (steep > best)
+        {
+          best = steep;
+          axisOf[k] = d;
+        }
+      }
+    }
+  }
+  std::vector<std::size_t> open;
+  for (std::size_t k = 0; k < n; ++k)
+  {
+    if (this->CurveOf[static_cast<std::size_t>(begin) + k] == begin + static_cast<Index>(k))
+    {
+      open.push_back(k);
+    }
+  }
+  // The chord from end to end, measured where a curve that bends to both sides is seen too.
+  std::vector<Index> offset(n, 0);
+  std::vector<Index> wanted(n, 0);
+  std::vector<double> errors(n, 0.0);
+  Samples samples;
+  samples.Resize(*this, 0);
+  this->MeasureCurves(begin, open, offset, wanted, samples, axisOf, { 0.25, 0.5, 0.75 }, errors);
+  std::vector<std::size_t> next;
+  for (const std::size_t k : open)
+  {
+    if (errors[k] > 1.0)
+    {
+      wanted[k] = static_cast<Index>(std::ceil(std::sqrt(std::min(errors[k], 1e6)))) - 1;
+      next.push_back(k);
+    }
+  }
+  open = std::move(next);
+  std::vector<Samples> done(n); // inner points of curves that are finished
+  std::vector<int> axes;
+  std::vector<char> projected;
+  constexpr int Rounds = 6;
+  for (int round = 0; round < Rounds && !open.empty(); ++round)
+  {
+    Index total = 0;
+    for (const std::size_t k : open)
+    {
+      offset[k] = total;
+      total += wanted[k];
+    }
+    samples.Resize(*this, total);
+    axes.resize(static_cast<std::size_t>(total));
+    for (const std::size_t k : open)
+    {
+      const Eigen::Vector3d a = this->Shared.Parameters.col(curve(k).From);
+      const Eigen::Vector3d b = this->Shared.Parameters.col(curve(k).To);
+      for (Index i = 0; i < wanted[k]; ++i)
+      {
+        const double t = static_cast<double>(i + 1) / static_cast<double>(wanted[k] + 1);
+        for (int d = 0; d < 3; ++d)
+        {
+          // Where both ends have the same bits, so has what is between.
+          samples.Parameters(d, offset[k] + i) = a[d] == b[d] ? a[d] : (1.0 - t) * a[d] + t * b[d];
+        }
+        axes[static_cast<std::size_t>(offset[k] + i)] = axisOf[k];
+      }
+    }
+    this->Project(samples.Parameters, axes, projected);
+    this->Evaluate(samples, 0, total);
+    this->MeasureCurves(begin, open, offset, wanted, samples, axisOf, { 0.5 }, errors);
+    next.clear();
+    for (const std::size_t k : open)
+    {
+      bool valid = true;
+      for (Index i = 0; i < wanted[k]; ++i)
+      {
+        valid = valid && projected[static_cast<std::size_t>(offset[k] + i)] != 0;
+      }
+      if (valid && errors[k] > 1.1 && wanted[k] < MostCurvePoints && round + 1 < Rounds)
+      {
+        const double more = 1.05 * std::sqrt(std::min(errors[k], 64.0));
+        wanted[k] = std::min(MostCurvePoints,
+          static_cast<Index>(std::ceil(static_cast<double>(wanted[k] + 1) * more)) - 1);
+        next.push_back(k);
+      }
+      else if (valid)
+      {
+        done[k].Resize(*this, wanted[k]);
+        this->Copy(samples, offset[k], done[k], 0, wanted[k]);
+      }
+    }
+    open = std::move(next);
+  }
+  Index total = 0;
+  for (std::size_t k = 0; k < n; ++k)
+  {
+    curve(k).First = total;
+    curve(k).Count = done[k].Count();
+    total += done[k].Count();
+  }
+  found.Resize(*this, total);
+  for (std::size_t k = 0; k < n; ++k)
+  {
+    this->Copy(done[k], 0, found, curve(k).First, done[k].Count());
+  }
+}
+
+void ZeroSet::Worker::Middles::SetZero(const Worker& worker, Index count)
+{
+  this->Parameters.setZero(3, count);
+  this->Points.setZero(3, count);
+  this->Attributes.clear();
+  for (const Evaluator* attribute : worker.Attributes)
+  {
+    this->Attributes.push_back(Eigen::MatrixXd::Zero(attribute->Components(), count));
+  }
+}
+
+void ZeroSet::Worker::Middles::Add(Index to, double weight, const Samples& samples, Index from)
+{
+  this->Parameters.col(to) += weight * samples.Parameters.col(from);
+  this->Points.col(to) += weight * samples.Points.col(from);
+  for (std::size_t a = 0; a < this->Attributes.size(); ++a)
+  {
+    this->Attributes[a].col(to) += weight * samples.Attributes[a].col(from);
+  }
+}
+
+void ZeroSet::Worker::MeasureCurves(Index begin, const std::vector<std::size_t>& which,
+  const std::vector<Index>& firsts, const std::vector<Index>& counts, const Samples& samples,
+  const std::vector<int>& axisOf, const std::vector<double>& places,
+  std::vector<double>& errors) const
+{
+  Index total = 0;
+  for (const std::size_t k : which)
+  {
+    total += (counts[k] + 1) * static_cast<Index>(places.size());
+  }
+  Middles middles;
+  middles.SetZero(*this, total);
+  middles.Axes.resize(static_cast<std::size_t>(total));
+  middles.Chords.setZero(3, total);
+  Index at = 0;
+  for (const std::size_t k : which)
+  {
+    const Curve& curve = this->Curves[static_cast<std::size_t>(begin) + k];
+    const bool outline = curve.IsOnCrease || this->Axes.size() < 3;
+    const auto point = [&](Index i) -> std::pair<const Samples*, Index>
+    {
+      return i < 0       ? std::make_pair(&this->Shared, curve.From)
+        : i >= counts[k] ? std::make_pair(&this->Shared, curve.To)
+                         : std::make_pair(&samples, firsts[k] + i);
+    };
+    for (Index i = 0; i <= counts[k]; ++i)
+    {
+      const auto [from, a] = point(i - 1);
+      const auto [to, b] = point(i);
+      for (const double t : places)
+      {
+        middles.Add(at, 1.0 - t, *from, a);
+        middles.Add(at, t, *to, b);
+        middles.Axes[static_cast<std::size_t>(at)] = axisOf[k];
+        if (outline)
+        {
+          const Eigen::Vector3d chord = to->Points.col(b) - from->Points.col(a);
+          middles.Chords.col(at) = chord.normalized();
+        }
+        ++at;
+      }
+    }
+  }
+  std::vector<Error> measured;
+  this->Measure(middles, measured);
+  at = 0;
+  for (const std::size_t k : which)
+  {
+    const Curve& curve = this->Curves[static_cast<std::size_t>(begin) + k];
+    const double inner = curve.IsOnCrease || this->Axes.size() < 3 ? 1.0 : InnerChord;
+    errors[k] = 0.0;
+    for (Index i = 0; i < (counts[k] + 1) * static_cast<Index>(places.size()); ++i, ++at)
+    {
+      const Error& e = measured[static_cast<std::size_t>(at)];
+      errors[k] = std::max({ errors[k], inner * e.Distance / (Target * this->Options.Tolerance),
+        InnerChord * e.Attribute / Target });
+    }
+  }
+}
+
+void ZeroSet::Worker::Copy(
+  const Samples& from, Index first, Samples& to, Index at, Index count) const
+{
+  to.Parameters.middleCols(at, count) = from.Parameters.middleCols(first, count);
+  to.Points.middleCols(at, count) = from.Points.middleCols(first, count);
+  to.Normals.middleCols(at, count) = from.Normals.middleCols(first, count);
+  for (std::size_t a = 0; a < from.Attributes.size(); ++a)
+  {
+    to.Attributes[a].middleCols(at, count) = from.Attributes[a].middleCols(first, count);
+  }
+}
+
+}

@@ -1,0 +1,838 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ZeroSetWorker.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hyperpatch
+{
+
+namespace
+{
+
+/// The symmetric matrix with the eigenvalues' magnitudes, in coordinates that `frame` makes
+/// orthonormal (frame' Q frame is rotated).
+Eigen::Matrix2d Magnitude(const Eigen::Matrix2d& Q, const Eigen::Matrix2d& frame)
+{
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(frame.transpose() * Q * frame);
+  const Eigen::Matrix2d inverse = frame.inverse();
+  return inverse.transpose() *
+    (eigen.eigenvectors() * eigen.eigenvalues().cwiseAbs().asDiagonal() *
+      eigen.eigenvectors().transpose()) *
+    inverse;
+}
+
+/// A metric in which no vector is shorter than in either of two.
+Eigen::Matrix2d Larger(const Eigen::Matrix2d& M, const Eigen::Matrix2d& N)
+{
+  const double trace = M.trace() + N.trace();
+  if (!(trace > 0.0))
+  {
+    return M;
+  }
+  // Both are diagonal in the eigenvectors of N relative to M.
+  const Eigen::Matrix2d regular = M + 1e-9 * trace * Eigen::Matrix2d::Identity();
+  const Eigen::LLT<Eigen::Matrix2d> llt(regular);
+  const Eigen::Matrix2d L = llt.matrixL();
+  const Eigen::Matrix2d inverse = L.inverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(inverse * N * inverse.transpose());
+  return L * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(1.0).asDiagonal() *
+    eigen.eigenvectors().transpose() * L.transpose();
+}
+
+/// Where linear interpolation in a triangle is about furthest from a surface whose curvature makes
+/// it a Delaunay triangle: the centre of its circle, or the middle of an edge that is in the way.
+Eigen::Vector2d WorstPlace(const FacetTriangulation& triangulation, int triangle)
+{
+  const auto& corners = triangulation.Triangles()[static_cast<std::size_t>(triangle)];
+  std::array<Eigen::Vector2d, 3> x;
+  for (std::size_t k = 0; k < 3; ++k)
+  {
+    x[k] = triangulation.Points()[static_cast<std::size_t>(corners[k])];
+  }
+  std::array<double, 3> square{};
+  std::size_t longest = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+  {
+    square[k] = (x[(k + 2) % 3] - x[(k + 1) % 3]).squaredNorm();
+    longest = square[k] > square[longest] ? k : longest;
+  }
+  const std::size_t i = (longest + 1) % 3;
+  const std::size_t j = (longest + 2) % 3;
+  if (square[longest] >= 0.9 * (square[i] + square[j]))
+  {
+    return triangulation.IsBoundary(triangle, static_cast<int>(longest))
+      ? Eigen::Vector2d((x[0] + x[1] + x[2]) / 3.0)
+      : Eigen::Vector2d(0.5 * (x[i] + x[j]));
+  }
+  std::array<double, 3> weight{};
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 3; ++k)
+  {
+    weight[k] = square[k] * (square[(k + 1) % 3] + square[(k + 2) % 3] - square[k]);
+    sum += weight[k];
+  }
+  return (weight[0] * x[0] + weight[1] * x[1] + weight[2] * x[2]) / sum;
+}
+
+}
+
+/// What one thread needs again and again.
+struct ZeroSet::Worker::Scratch
+{
+  FacetTriangulation Triangulation;
+  std::vector<Eigen::Vector2d> Polygon;
+  std::vector<Eigen::Vector2d> Candidates;
+  Eigen::Matrix3Xd Parameters;
+  std::vector<int> Axes;
+  std::vector<char> Projected;
+  std::vector<std::vector<Index>> Loops;
+};
+
+std::optional<ZeroSet::Worker::Shape> ZeroSet::Worker::Probe(
+  const Eigen::Vector3d& start, const Eigen::Vector3d& width, int axis) const
+{
+  // Onto the surface, along the direction of height.
+  Shape shape;
+  shape.Axis = axis;
+  Eigen::Vector3d x = start;
+  double value = 0.0;
+  Eigen::Vector3d g;
+  for (int step = 0; step < 4; ++step)
+  {
+    this->Field.EvaluateWithGradient(1, x.data(), &value, g.data());
+    const double slope = g[shape.Axis];
+    if (slope == 0.0 || !std::isfinite(value))
+    {
+      return std::nullopt;
+    }
+    const double move = value / slope;
+    x[shape.Axis] =
+      std::min(std::max(x[shape.Axis] - move, this->Low[shape.Axis]), this->High[shape.Axis]);
+    if (std::abs(move) < 1e-3 * width[shape.Axis])
+    {
+      break;
+    }
+    if (std::abs(x[shape.Axis] - start[shape.Axis]) > 4.0 * width[shape.Axis])
+    {
+      return std::nullopt;
+    }
+  }
+  const int w = shape.Axis;
+  shape.A = (w + 1) % 3;
+  shape.B = (w + 2) % 3;
+  // Around it: the surface's points at both sides in a, in b, and in a + b.
+  constexpr int Count = 7;
+  constexpr std::array<std::array<int, 2>, Count> Steps{ { { 0, 0 }, { 1, 0 }, { -1, 0 }, { 0, 1 },
+    { 0, -1 }, { 1, 1 }, { -1, -1 } } };
+  const double ha = 0.25 * width[shape.A];
+  const double hb = 0.25 * width[shape.B];
+  Eigen::Matrix<double, 3, Count> at;
+  Eigen::Vector2d slope(-g[shape.A] / g[w], -g[shape.B] / g[w]);
+  for (int i = 0; i < Count; ++i)
+  {
+    const auto& s = Steps[static_cast<std::size_t>(i)];
+    at.col(i) = x;
+    at(shape.A, i) += s[0] * ha;
+    at(shape.B, i) += s[1] * hb;
+    at(w, i) += s[0] * ha * slope[0] + s[1] * hb * slope[1];
+  }
+  std::array<double, Count> values{};
+  Eigen::Matrix<double, 3, Count> gradients;
+  const auto clamp = [&]
+  {
+    for (int i = 0; i < Count; ++i)
+    {
+      at.col(i) = at.col(i).cwiseMax(this->Low).cwiseMin(this->High);
+    }
+  };
+  for (int step = 0; step < 2; ++step)
+  {
+    clamp();
+    this->Field.EvaluateWithGradient(Count, at.data(), values.data(), gradients.data());
+    for (int i = 0; i < Count; ++i)
+    {
+      const double move = values[static_cast<std::size_t>(i)] / gradients(w, i);
+      at(w, i) -= std::isfinite(move) && std::abs(move) < width[w] ? move : 0.0;
+    }
+  }
+  clamp();
+  const int m = this->Geometry.Components();
+  Eigen::MatrixXd points(m, Count);
+  Eigen::MatrixXd derivatives(3 * m, Count);
+  this->Geometry.EvaluateWithDerivatives(Count, at.data(), points.data(), derivatives.data());
+  Eigen::Matrix<double, 3, Count> X = Eigen::Matrix<double, 3, Count>::Zero();
+  X.topRows(m) = points;
+  Eigen::Matrix<double, 3, Count> n;
+  for (int i = 0; i < Count; ++i)
+  {
+    n.col(i) = this->Normal(derivatives.col(i).data(), gradients.col(i));
+  }
+  const auto second = [&](const auto& row)
+  {
+    Eigen::Matrix2d H;
+    const double aa = row(1) - 2.0 * row(0) + row(2);
+    const double bb = row(3) - 2.0 * row(0) + row(4);
+    const double both = row(5) - 2.0 * row(0) + row(6);
+    const double ab = 0.5 * (both - aa - bb);
+    H << aa / (ha * ha), ab / (ha * hb), ab / (ha * hb), bb / (hb * hb);
+    return H;
+  };
+  shape.Centre = at.col(0);
+  shape.Slope = { (at(w, 1) - at(w, 2)) / (2.0 * ha), (at(w, 3) - at(w, 4)) / (2.0 * hb) };
+  shape.Bend = second([&](int i) { return at(w, i); });
+
+  // The second fundamental form: how the normal turns. And the first, to take magnitudes in.
+  const Eigen::Vector3d Xa = (X.col(1) - X.col(2)) / (2.0 * ha);
+  const Eigen::Vector3d Xb = (X.col(3) - X.col(4)) / (2.0 * hb);
+  const Eigen::Vector3d na = (n.col(1) - n.col(2)) / (2.0 * ha);
+  const Eigen::Vector3d nb = (n.col(3) - n.col(4)) / (2.0 * hb);
+  Eigen::Matrix2d form;
+  const double mixed = 0.5 * (na.dot(Xb) + nb.dot(Xa));
+  form << na.dot(Xa), mixed, mixed, nb.dot(Xb);
+  Eigen::Matrix2d first;
+  first << Xa.dot(Xa), Xa.dot(Xb), Xa.dot(Xb), Xb.dot(Xb);
+  const double trace = first.trace();
+  if (!(trace > 0.0) || !form.allFinite())
+  {
+    return std::nullopt;
+  }
+  const Eigen::LLT<Eigen::Matrix2d> llt(first + 1e-9 * trace * Eigen::Matrix2d::Identity());
+  const Eigen::Matrix2d frame = Eigen::Matrix2d(llt.matrixU()).inverse();
+  // An equilateral triangle with edges L on curvature k is off by k L^2 / 6.
+  shape.Metric = Magnitude(form, frame) / (6.0 * Target * this->Options.Tolerance);
+  for (std::size_t a = 0; a < this->Attributes.size(); ++a)
+  {
+    const double tolerance = this->Options.AttributeTolerances[a];
+    if (tolerance <= 0.0)
+    {
+      continue;
+    }
+    const int components = this->Attributes[a]->Components();
+    Eigen::MatrixXd field(components, Count);
+    this->Attributes[a]->Evaluate(Count, at.data(), field.data());
+    for (int c = 0; c < components; ++c)
+    {
+      const Eigen::Matrix2d H = second([&](int i) { return field(c, i); });
+      if (H.allFinite())
+      {
+        shape.Metric = Larger(shape.Metric, Magnitude(H, frame) / (6.0 * Target * tolerance));
+      }
+    }
+  }
+  return shape.Metric.allFinite() ? std::optional<Shape>(shape) : std::nullopt;
+}
+
+void ZeroSet::Worker::FindLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const
+{
+  loops.clear();
+  struct Step
+  {
+    const Curve* Along;
+    bool Forward;
+    bool Used;
+  };
+  std::vector<Step> steps;
+  const auto& [low, size] = leaf.At;
+  for (int normal = 0; normal < 3; ++normal)
+  {
+    for (const bool high : { false, true })
+    {
+      Node corner = low;
+      corner[static_cast<std::size_t>(normal)] += high ? size : 0;
+      this->ForMinimalFaces(corner, size, normal,
+        [&](const Node& at, int)
+        {
+          const auto record = this->CurvesOfFace.find({ at[0], at[1], at[2], normal });
+          const auto [first, count] = record->second;
+          for (Index c = first; c < first + count; ++c)
+          {
+            const Index kept = this->CurveOf[static_cast<std::size_t>(c)];
+            if (kept >= 0)
+            {
+              const Curve* curve = &this->Curves[static_cast<std::size_t>(kept)];
+              const bool same = curve->From == this->Curves[static_cast<std::size_t>(c)].From;
+              steps.push_back({ curve, high == same, false });
+            }
+          }
+        });
+    }
+  }
+  // There and back again is nothing.
+  for (std::size_t i = 0; i < steps.size(); ++i)
+  {
+    for (std::size_t j = i + 1; j < steps.size() && !steps[i].Used; ++j)
+    {
+      if (!steps[j].Used && steps[i].Along == steps[j].Along &&
+        steps[i].Forward != steps[j].Forward)
+      {
+        steps[i].Used = steps[j].Used = true;
+      }
+    }
+  }
+  const auto from = [](const Step& s) { return s.Forward ? s.Along->From : s.Along->To; };
+  const auto to = [](const Step& s) { return s.Forward ? s.Along->To : s.Along->From; };
+  // From step to step; where a point is met again, what lies between is a loop of its own.
+  std::vector<Step*> path;
+  for (Step& start : steps)
+  {
+    Step* at = start.Used ? nullptr : &start;
+    while (at)
+    {
+      at->Used = true;
+      path.push_back(at);
+      const Index end = to(*at);
+      const auto again =
+        std::find_if(path.rbegin(), path.rend(), [&](const Step* s) { return from(*s) == end; });
+      if (again != path.rend())
+      {
+        std::vector<Index> loop;
+        for (auto step = again.base() - 1; step != path.end(); ++step)
+        {
+          const Curve& curve = *(*step)->Along;
+          loop.push_back(from(**step));
+          for (Index i = 0; i < curve.Count; ++i)
+          {
+            loop.push_back(curve.First + ((*step)->Forward ? i : curve.Count - 1 - i));
+          }
+        }
+        loops.push_back(std::move(loop));
+        path.erase(again.base() - 1, path.end());
+      }
+      at = nullptr;
+      if (!path.empty())
+      {
+        const auto next = std::find_if(
+          steps.begin(), steps.end(), [&](const Step& s) { return !s.Used && from(s) == end; });
+        at = next == steps.end() ? nullptr : &*next;
+      }
+    }
+    path.clear();
+  }
+}
+
+void ZeroSet::Worker::FindFlatLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const
+{
+  for (int d = 0; d < 3; ++d)
+  {
+    for (const bool high : { false, true })
+    {
+      if (!this->IsDrawn(leaf, d, high))
+      {
+        continue;
+      }
+      Node low = leaf.At.Low;
+      low[static_cast<std::size_t>(d)] += high ? leaf.At.Size : 0;
+      const auto [first, count] =
+        this->CurvesOfFace.find({ low[0], low[1], low[2], 3 + d })->second;
+      std::vector<Index> loop;
+      for (Index c = first; c < first + count; ++c)
+      {
+        const Curve& own = this->Curves[static_cast<std::size_t>(c)];
+        const Curve& curve =
+          this->Curves[static_cast<std::size_t>(this->CurveOf[static_cast<std::size_t>(c)])];
+        loop.push_back(own.From);
+        for (Index i = 0; i < curve.Count; ++i)
+        {
+          loop.push_back(curve.First + (curve.From == own.From ? i : curve.Count - 1 - i));
+        }
+      }
+      // f is positive inside: the face is seen from there.
+      if (high)
+      {
+        std::reverse(loop.begin(), loop.end());
+      }
+      loops.push_back(std::move(loop));
+    }
+  }
+}
+
+void ZeroSet::Worker::FillPolygon(const std::vector<Index>& loop, Facets& facets) const
+{
+  // The triangulation of least area (Klincsek 1980); a fan where that would take long.
+  constexpr std::size_t Most = 160;
+  const std::size_t n = loop.size();
+  if (n > Most)
+  {
+    for (std::size_t i = 2; i < n; ++i)
+    {
+      facets.Cells.push_back({ loop[0], loop[i - 1], loop[i] });
+    }
+    return;
+  }
+  Eigen::MatrixXd cost = Eigen::MatrixXd::Zero(static_cast<Index>(n), static_cast<Index>(n));
+  Eigen::MatrixXi apex = Eigen::MatrixXi::Zero(static_cast<Index>(n), static_cast<Index>(n));
+  const auto point = [&](Index i) -> Eigen::Vector3d
+  { return this->Shared.Points.col(loop[static_cast<std::size_t>(i)]); };
+  const auto end = static_cast<Index>(n);
+  for (Index length = 2; length < end; ++length)
+  {
+    for (Index i = 0; i + length < end; ++i)
+    {
+      const Index j = i + length;
+      cost(i, j) = INFINITY;
+      for (Index k = i + 1; k < j; ++k)
+      {
+        const double area = (point(k) - point(i)).cross(point(j) - point(i)).norm();
+        const double sum = cost(i, k) + cost(k, j) + area;
+        if (sum < cost(i, j))
+        {
+          cost(i, j) = sum;
+          apex(i, j) = static_cast<int>(k);
+        }
+      }
+    }
+  }
+  std::vector<std::array<Index, 2>> open{ { 0, end - 1 } };
+  while (!open.empty())
+  {
+    const auto [i, j] = open.back();
+    open.pop_back();
+    if (j - i > 1)
+    {
+      const Index k = apex(i, j);
+      facets.Cells.push_back({ loop[static_cast<std::size_t>(i)], loop[static_cast<std::size_t>(k)],
+        loop[static_cast<std::size_t>(j)] });
+      open.push_back({ i, k });
+      open.push_back({ k, j });
+    }
+  }
+}
+
+void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors) const
+{
+  const auto& [parameters, points, attributes, axes, chords] = middles;
+  // From the middle of the parameters one step onto f = 0, then the distance across the surface.
+  const Index count = parameters.cols();
+  const auto n = static_cast<std::size_t>(count);
+  const int m = this->Geometry.Components();
+  errors.resize(n);
+  std::vector<double> values(n);
+  Eigen::Matrix3Xd g(3, count);
+  this->Field.EvaluateWithGradient(n, parameters.data(), values.data(), g.data());
+  Eigen::Matrix3Xd at = parameters;
+  Eigen::MatrixXd X(m, count);
+  Eigen::MatrixXd D(3 * m, count);
+  for (Index i = 0; i < count; ++i)
+  {
+    Eigen::Index axis = 0;
+    if (axes.empty())
+    {
+      g.col(i).cwiseProduct(this->Scale).cwiseAbs().maxCoeff(&axis);
+    }
+    else
+    {
+      axis = axes[static_cast<std::size_t>(i)];
+    }
+    const double move = values[static_cast<std::size_t>(i)] / g(axis, i);
+    if (std::isfinite(move))
+    {
+      at(axis, i) = std::min(std::max(at(axis, i) - move, this->Low[axis]), this->High[axis]);
+    }
+  }
+  this->Geometry.EvaluateWithDerivatives(n, at.data(), X.data(), D.data());
+  std::vector<Eigen::Vector3d> tangential(n);
+  for (Index i = 0; i < count; ++i)
+  {
+    Eigen::Vector3d off = points.col(i);
+    off.head(m) -= X.col(i);
+    const Eigen::Vector3d normal = this->Normal(D.col(i).data(), g.col(i));
+    const double across = off.dot(normal);
+    const bool hasNormal = this->Axes.size() == 3 && normal.squaredNorm() > 0.5;
+    double distance = hasNormal ? std::abs(across) : off.norm();
+    if (chords.cols() > 0 && !chords.col(i).isZero(0.0))
+    {
+      distance = (off - off.dot(chords.col(i)) * chords.col(i)).norm();
+    }
+    errors[static_cast<std::size_t>(i)] = { distance, 0.0 };
+    tangential[static_cast<std::size_t>(i)] =
+      hasNormal ? Eigen::Vector3d(off - across * normal) : off;
+  }
+  for (std::size_t a = 0; a < this->Attributes.size(); ++a)
+  {
+    const double tolerance = this->Options.AttributeTolerances[a];
+    if (tolerance <= 0.0)
+    {
+      continue;
+    }
+    const int components = this->Attributes[a]->Components();
+    Eigen::MatrixXd exact(components, count);
+    Eigen::MatrixXd slope(3 * components, count);
+    this->Attributes[a]->EvaluateWithDerivatives(n, at.data(), exact.data(), slope.data());
+    for (Index i = 0; i < count; ++i)
+    {
+      // The exact value is that of the point of the surface below the middle of the cell.
+      Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
+      for (int d = 0; d < 3; ++d)
+      {
+        J.col(d).head(m) = D.block(m * d, i, m, 1);
+      }
+      Eigen::Vector3d du = Eigen::Vector3d::Zero();
+      const double det = J.determinant();
+      const double size = J.colwise().norm().prod();
+      if (this->Axes.size() == 3 && std::abs(det) > 1e-3 * size)
+      {
+        du = J.inverse() * tangential[static_cast<std::size_t>(i)];
+      }
+      for (int c = 0; c < components; ++c)
+      {
+        double value = exact(c, i);
+        for (int d = 0; d < 3; ++d)
+        {
+          value += slope(components * d + c, i) * du[d];
+        }
+        double& error = errors[static_cast<std::size_t>(i)].Attribute;
+        error = std::max(error, std::abs(attributes[a](c, i) - value) / tolerance);
+      }
+    }
+  }
+}
+
+double ZeroSet::Worker::MeasureFacets(const FacetTriangulation& triangulation, int boundary,
+  const std::vector<Index>& loop, const std::vector<Index>& innerOf, Facets& facets,
+  std::vector<std::pair<int, double>>& missing) const
+{
+  const auto& triangles = triangulation.Triangles();
+  const auto count = static_cast<Index>(triangles.size());
+  // Barycentric coordinates of the samples: distances are known well from the normals, attributes
+  // only where they are evaluated.
+  static constexpr std::array<std::array<double, 3>, 4> Places{ { { 1.0 / 3, 1.0 / 3, 1.0 / 3 },
+    { 0.5, 0.5, 0.0 }, { 0.0, 0.5, 0.5 }, { 0.5, 0.0, 0.5 } } };
+  const bool hasAttributes = std::any_of(this->Options.AttributeTolerances.begin(),
+    this->Options.AttributeTolerances.end(), [](double t) { return t > 0.0; });
+  const Index places = hasAttributes ? 4 : 1;
+  Middles middles;
+  middles.SetZero(*this, places * count);
+  std::vector<double> errors(static_cast<std::size_t>(count), 0.0);
+  double distance = 0.0;
+  for (Index t = 0; t < count; ++t)
+  {
+    Eigen::Matrix3d X;
+    Eigen::Matrix3d n;
+    for (int k = 0; k < 3; ++k)
+    {
+      const int corner = triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)];
+      const bool inner = corner >= boundary;
+      const Samples& s = inner ? facets.Inner : this->Shared;
+      const Index i = inner ? innerOf[static_cast<std::size_t>(corner - boundary)]
+                            : loop[static_cast<std::size_t>(corner)];
+      X.col(k) = s.Points.col(i);
+      n.col(k) = s.Normals.col(i);
+      for (Index p = 0; p < places; ++p)
+      {
+        const double weight = Places[static_cast<std::size_t>(p)][static_cast<std::size_t>(k)];
+        middles.Add(places * t + p, weight, s, i);
+      }
+    }
+    // A quadratic through the corners with these normals is off by half of sum l_i l_j q_ij.
+    const std::array<double, 3> q{ (n.col(1) - n.col(0)).dot(X.col(1) - X.col(0)),
+      (n.col(2) - n.col(1)).dot(X.col(2) - X.col(1)),
+      (n.col(0) - n.col(2)).dot(X.col(0) - X.col(2)) };
+    double most = std::abs(q[0] + q[1] + q[2]) / 18.0;
+    for (std::size_t k = 0; k < 3; ++k)
+    {
+      const double others = q[(k + 1) % 3] + q[(k + 2) % 3];
+      most =
+        std::max({ most, std::abs(q[k]) / 8.0, std::abs(25.0 * q[k] + 10.0 * others) / 288.0 });
+    }
+    errors[static_cast<std::size_t>(t)] = most / this->Options.Tolerance;
+    distance = std::max(distance, most);
+  }
+  std::vector<Error> measured;
+  this->Measure(middles, measured);
+  double attribute = 0.0;
+  for (Index i = 0; i < places * count; ++i)
+  {
+    const Error& e = measured[static_cast<std::size_t>(i)];
+    double& error = errors[static_cast<std::size_t>(i / places)];
+    error = std::max({ error, e.Distance / this->Options.Tolerance, e.Attribute });
+    distance = std::max(distance, e.Distance);
+    attribute = std::max(attribute, e.Attribute);
+  }
+  double worst = 0.0;
+  for (Index t = 0; t < count; ++t)
+  {
+    const double error = errors[static_cast<std::size_t>(t)];
+    worst = std::max(worst, error);
+    if (error > 1.0)
+    {
+      missing.emplace_back(static_cast<int>(t), error);
+    }
+  }
+  facets.Error = distance;
+  facets.AttributeError = attribute;
+  return worst;
+}
+
+bool ZeroSet::Worker::FillSheet(
+  const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const
+{
+  Eigen::Vector3d low = this->Shared.Parameters.col(loop[0]);
+  Eigen::Vector3d high = low;
+  for (const Index i : loop)
+  {
+    low = low.cwiseMin(this->Shared.Parameters.col(i));
+    high = high.cwiseMax(this->Shared.Parameters.col(i));
+  }
+  Eigen::Vector3d width = high - low;
+  for (int d = 0; d < 3; ++d)
+  {
+    const auto D = static_cast<std::size_t>(d);
+    const double box =
+      std::abs(this->Line(d, leaf.At.Low[D] + leaf.At.Size) - this->Line(d, leaf.At.Low[D]));
+    width[d] = std::max(width[d], 1e-3 * box);
+  }
+  const std::optional<Shape> shape = this->Probe(0.5 * (low + high), width, leaf.Height);
+  if (!shape)
+  {
+    return false;
+  }
+  // Counter-clockwise around the normal is counter-clockwise in (a, b) where f grows with height.
+  double value = 0.0;
+  Eigen::Vector3d g;
+  this->Field.EvaluateWithGradient(1, shape->Centre.data(), &value, g.data());
+  const double turn = g[shape->Axis] > 0.0 ? 1.0 : -1.0;
+
+  // Denser where the metric turns out to be too coarse for some place.
+  constexpr int Tries = 3;
+  double density = 1.0;
+  for (int tried = 0; tried < Tries; ++tried)
+  {
+    Facets piece;
+    const double limit = tried + 1 < Tries ? 2.0 : 0.0;
+    const double error = this->FillSheet(*shape, turn, density, limit, width, loop, scratch, piece);
+    if (error < 0.0)
+    {
+      return false;
+    }
+    if (!piece.Cells.empty())
+    {
+      const Index before = facets.Inner.Count();
+      facets.Inner.Resize(*this, before + piece.Inner.Count());
+      this->Copy(piece.Inner, 0, facets.Inner, before, piece.Inner.Count());
+      for (auto& cell : piece.Cells)
+      {
+        for (Index& corner : cell)
+        {
+          corner -= corner < 0 ? before : 0;
+        }
+        facets.Cells.push_back(cell);
+      }
+      facets.Error = std::max(facets.Error, piece.Error);
+      facets.AttributeError = std::max(facets.AttributeError, piece.AttributeError);
+      facets.IsWithinTolerance = facets.IsWithinTolerance && error <= 1.0;
+      break;
+    }
+    density *= 1.1 * error;
+  }
+  return true;
+}
+
+double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double density, double limit,
+  const Eigen::Vector3d& width, const std::vector<Index>& loop, Scratch& scratch,
+  Facets& facets) const
+{
+  facets.Inner.Resize(*this, 0);
+  const int w = shape.Axis;
+  // In the metric, with a floor: no edge longer than a few widths of the loop.
+  Eigen::Matrix2d metric = density * shape.Metric;
+  metric(0, 0) += 0.01 / (width[shape.A] * width[shape.A]);
+  metric(1, 1) += 0.01 / (width[shape.B] * width[shape.B]);
+  const Eigen::Matrix2d U = Eigen::LLT<Eigen::Matrix2d>(metric).matrixU();
+  const Eigen::Matrix2d inverse = U.inverse();
+  const auto flat = [&](const Eigen::Vector3d& p) -> Eigen::Vector2d
+  {
+    const Eigen::Vector2d d(p[shape.A] - shape.Centre[shape.A], p[shape.B] - shape.Centre[shape.B]);
+    const Eigen::Vector2d y = U * d;
+    return { turn * y[0], y[1] };
+  };
+  scratch.Polygon.clear();
+  Eigen::Vector2d least(INFINITY, INFINITY);
+  Eigen::Vector2d most = -least;
+  for (const Index i : loop)
+  {
+    scratch.Polygon.push_back(flat(this->Shared.Parameters.col(i)));
+    least = least.cwiseMin(scratch.Polygon.back());
+    most = most.cwiseMax(scratch.Polygon.back());
+  }
+  FacetTriangulation& triangulation = scratch.Triangulation;
+  if (!triangulation.Start(scratch.Polygon))
+  {
+    return -1.0;
+  }
+
+  // Inner points on a lattice of equilateral triangles, not too near to the boundary.
+  constexpr double Spacing = 1.0;
+  constexpr double Clearance = 0.6;
+  const double rowHeight = Spacing * std::sqrt(0.75);
+  scratch.Candidates.clear();
+  const Eigen::Vector2d middle = 0.5 * (least + most);
+  const int rows = static_cast<int>(0.5 * (most[1] - least[1]) / rowHeight);
+  for (int r = -rows; r <= rows; ++r)
+  {
+    const double y = middle[1] + r * rowHeight;
+    const double shift = r % 2 != 0 ? 0.5 * Spacing : 0.0;
+    const int columns = static_cast<int>(0.5 * (most[0] - least[0]) / Spacing) + 1;
+    for (int c = -columns; c <= columns; ++c)
+    {
+      const Eigen::Vector2d p(middle[0] + shift + c * Spacing, y);
+      bool inside = false;
+      bool clear = true;
+      for (std::size_t i = 0, j = scratch.Polygon.size() - 1; i < scratch.Polygon.size() && clear;
+           j = i++)
+      {
+        const Eigen::Vector2d& a = scratch.Polygon[j];
+        const Eigen::Vector2d& b = scratch.Polygon[i];
+        if ((a[1] > p[1]) != (b[1] > p[1]) &&
+          p[0] < (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1]) + a[0])
+        {
+          inside = !inside;
+        }
+        const Eigen::Vector2d ab = b - a;
+        const double square = ab.squaredNorm();
+        const double t =
+          square > 0.0 ? std::min(1.0, std::max(0.0, (p - a).dot(ab) / square)) : 0.0;
+        clear = (a + t * ab - p).squaredNorm() > Clearance * Clearance;
+      }
+      if (inside && clear)
+      {
+        scratch.Candidates.push_back(p);
+      }
+    }
+  }
+
+  const auto boundary = static_cast<int>(loop.size());
+  std::vector<Index> innerOf; // of points of the triangulation behind the polygon's
+  const auto insert = [&]
+  {
+    const auto count = static_cast<Index>(scratch.Candidates.size());
+    if (count == 0)
+    {
+      return;
+    }
+    scratch.Parameters.resize(3, count);
+    for (Index i = 0; i < count; ++i)
+    {
+      const Eigen::Vector2d& y = scratch.Candidates[static_cast<std::size_t>(i)];
+      const Eigen::Vector2d d = inverse * Eigen::Vector2d(turn * y[0], y[1]);
+      scratch.Parameters(shape.A, i) = shape.Centre[shape.A] + d[0];
+      scratch.Parameters(shape.B, i) = shape.Centre[shape.B] + d[1];
+      scratch.Parameters(w, i) = shape.Centre[w] + shape.Slope.dot(d) + 0.5 * d.dot(shape.Bend * d);
+    }
+    scratch.Axes.assign(static_cast<std::size_t>(count), w);
+    this->Project(scratch.Parameters, scratch.Axes, scratch.Projected);
+    const Index before = facets.Inner.Count();
+    Index at = before;
+    facets.Inner.Resize(*this, before + count);
+    for (Index i = 0; i < count; ++i)
+    {
+      if (scratch.Projected[static_cast<std::size_t>(i)] != 0 &&
+        triangulation.Insert(scratch.Candidates[static_cast<std::size_t>(i)]) >= 0)
+      {
+        innerOf.push_back(at);
+        facets.Inner.Parameters.col(at++) = scratch.Parameters.col(i);
+      }
+    }
+    facets.Inner.Resize(*this, at);
+    this->Evaluate(facets.Inner, before, at);
+  };
+  insert();
+
+  // Triangles that miss it get a point where they are worst; if they are most, the metric is wrong.
+  constexpr int Rounds = 8;
+  double worst = 0.0;
+  std::vector<std::pair<int, double>> missing;
+  for (int round = 0; round < Rounds; ++round)
+  {
+    missing.clear();
+    worst = this->MeasureFacets(triangulation, boundary, loop, innerOf, facets, missing);
+    const std::size_t all = triangulation.Triangles().size();
+    if (missing.empty() || round + 1 == Rounds)
+    {
+      break;
+    }
+    if (all > 16 && 2 * missing.size() > all && limit > 0.0)
+    {
+      double sum = 0.0;
+      for (const auto& miss : missing)
+      {
+        sum += miss.second;
+      }
+      return std::min(4.0, sum / static_cast<double>(missing.size()));
+    }
+    scratch.Candidates.clear();
+    for (const auto& miss : missing)
+    {
+      scratch.Candidates.push_back(WorstPlace(triangulation, miss.first));
+    }
+    insert();
+  }
+  for (const auto& triangle : triangulation.Triangles())
+  {
+    std::array<Index, 3> cell{};
+    for (std::size_t k = 0; k < 3; ++k)
+    {
+      const int corner = triangle[k];
+      cell[k] = corner < boundary ? loop[static_cast<std::size_t>(corner)]
+                                  : -1 - innerOf[static_cast<std::size_t>(corner - boundary)];
+    }
+    facets.Cells.push_back(cell);
+  }
+  return worst;
+}
+
+void ZeroSet::Worker::FillLoop(
+  const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const
+{
+  if (loop.size() < 3)
+  {
+    return;
+  }
+  if (leaf.Height >= 0 && this->FillSheet(leaf, loop, scratch, facets))
+  {
+    return;
+  }
+  if (leaf.Height >= 0)
+  {
+    ++facets.Failed;
+  }
+  this->FillPolygon(loop, facets);
+}
+
+void ZeroSet::Worker::FillLeaf(const Leaf& leaf, Scratch& scratch, Facets& facets) const
+{
+  this->FindLoops(leaf, scratch.Loops);
+  this->FindFlatLoops(leaf, scratch.Loops);
+  facets.Inner.Resize(*this, 0);
+  for (const std::vector<Index>& loop : scratch.Loops)
+  {
+    this->FillLoop(leaf, loop, scratch, facets);
+  }
+}
+
+bool ZeroSet::Worker::Fill()
+{
+  this->Pieces.assign(this->Leaves.size(), Facets());
+  if (this->Axes.size() < 3)
+  {
+    return true;
+  }
+  constexpr Index Grain = 8;
+  return this->Parallel(static_cast<Index>(this->Leaves.size()), Grain,
+    [this](Index begin, Index end)
+    {
+      Scratch scratch;
+      for (Index i = begin; i < end; ++i)
+      {
+        const auto leaf = static_cast<std::size_t>(i);
+        this->FillLeaf(this->Leaves[leaf], scratch, this->Pieces[leaf]);
+      }
+    });
+}
+
+}
