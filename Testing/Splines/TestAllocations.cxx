@@ -3,6 +3,8 @@
 // Counts the allocations of the whole test program.
 
 #include "Evaluator.h"
+#include "JacobianSign.h"
+#include "Operators.h"
 #include "Splines/Models.h"
 
 #include <gtest/gtest.h>
@@ -109,4 +111,17 @@ TEST_P(EvaluatorAllocations, AreNotPerPoint)
   }
   EXPECT_EQ(counts[0], counts[1]);
   EXPECT_LE(counts[0], 4);
+}
+
+TEST(JacobianSignAllocations, AreNone)
+{
+  const Spline tube = RefineUniformly(models::QuarterTube(), { 4, 4, 4 });
+  for (const bool rational : { false, true })
+  {
+    const Spline s(
+      tube.Knots(), tube.Coefficients(), rational ? tube.Weights() : Eigen::VectorXd());
+    int sign = 0;
+    EXPECT_EQ(CountAllocations([&] { sign = JacobianSign(s, { { 0, 0.5, 0 }, { 1, 1, 1 } }); }), 0);
+    EXPECT_EQ(sign, 1);
+  }
 }
