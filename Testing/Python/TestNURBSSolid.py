@@ -93,6 +93,22 @@ class NURBSSolid(unittest.TestCase):
             cells.append(information.GetNumberOfCells())
         self.assertLess(4 * cells[0], cells[1])
 
+    def tessellated(self):
+        """When the points that are drawn were made."""
+        simple.Render(self.view)
+        drawn = self.display.GetClientSideObject().GetActiveRepresentation().GetRenderedDataObject(0)
+        blocks = drawn.NewIterator()
+        blocks.InitTraversal()
+        return blocks.GetCurrentDataObject().GetPoints().GetData().GetMTime()
+
+    def test_another_colour_tessellates_nothing(self):
+        time = self.tessellated()
+        for name in ('Temperature', 'Displacement', None):
+            simple.ColorBy(self.display, ('POINTS', name))
+            self.assertEqual(self.tessellated(), time)
+        self.display.SolidTolerance = 0.002
+        self.assertGreater(self.tessellated(), time)
+
     def edges(self):
         """Which pixels have the colour of edges, magenta."""
         picture = common.pixels(self.view).astype(int)
