@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <queue>
@@ -18,6 +19,8 @@ namespace hyperpatch
 
 namespace
 {
+
+constexpr double UnitRoundoff = std::numeric_limits<double>::epsilon() / 2;
 
 /// A cell is not halved when it is narrower than this fraction of the domain.
 constexpr double LeastEdge = 1e-12;
@@ -86,53 +89,63 @@ Interval Determinant(const Bounded& a, const Bounded& b, const Bounded& c)
 class Net
 {
 public:
-  explicit Net(Spline spline)
+  /// \param roundings bounds the error of every homogeneous control point, in units of the unit
+  /// roundoff times the largest one
+  Net(Spline spline, double roundings)
     : S(std::move(spline))
+    , Roundings(roundings)
   {
   }
 
-  [[nodiscard]] Net Restricted(const ParameterBox& box) const
+  /// \param box half of this one, along a direction
+  [[nodiscard]] Net Half(const ParameterBox& box, int direction) const
   {
-    return Net(RestrictToBox(this->S, box.Low, box.High));
+    return Net(RestrictToBox(this->S, box.Low, box.High),
+      this->Roundings + RoundingsOfHalving(this->S.Knots(direction).Degree()));
   }
+
+  /// Knots are inserted by convex sums, with five roundings per degree in each weight.
+  static double RoundingsOfHalving(int degree) { return 6.0 + 6.0 * degree; }
 
   /// The cone of the derivative in a direction.
   [[nodiscard]] Cone Directions(int direction) const
   {
-    if (!this->S.IsRational())
-    {
-      return Cone::Around(Derivative(this->S, direction).Coefficients());
-    }
-    // As in JacobianSign.cxx: differences of homogeneous points about the centre, each right up to
+    // As in JacobianSign.h: differences of homogeneous points about the centre, each right up to
     // the difference of the weights times the distance of the volume from the centre.
     const Eigen::MatrixXd& points = this->S.Coefficients();
     const Eigen::Vector3d centre =
       0.5 * points.rowwise().minCoeff() + 0.5 * points.rowwise().maxCoeff();
     const Eigen::Matrix3Xd about = points.colwise() - centre;
     const double radius = about.colwise().norm().maxCoeff();
-    const std::array<int, 3> sizes = this->S.Sizes();
-    std::ptrdiff_t step = 1;
+    const auto weight = [this](Eigen::Index i)
+    { return this->S.IsRational() ? this->S.Weights()[i] : 1.0; };
+    const Eigen::Index size = this->S.Sizes()[Index(direction)];
+    Eigen::Index step = 1;
     for (int d = 0; d < direction; ++d)
     {
-      step *= sizes[static_cast<std::size_t>(d)];
+      step *= this->S.Sizes()[Index(d)];
     }
     Eigen::Matrix3Xd vectors(3, points.cols());
     Eigen::Index count = 0;
     double difference = 0.0;
     for (Eigen::Index i = 0; i + step < points.cols(); ++i)
     {
-      if (i / step % sizes[static_cast<std::size_t>(direction)] + 1 <
-        sizes[static_cast<std::size_t>(direction)])
+      if (i / step % size + 1 < size)
       {
-        const double from = this->S.Weights()[i];
-        const double to = this->S.Weights()[i + step];
-        vectors.col(count++) = to * about.col(i + step) - from * about.col(i);
-        difference = std::max(difference, std::abs(to - from));
+        vectors.col(count++) = weight(i + step) * about.col(i + step) - weight(i) * about.col(i);
+        difference = std::max(difference, std::abs(weight(i + step) - weight(i)));
       }
     }
-    constexpr double Rounding = 1e-15;
+    // The roundings of the points so far and of the lines above, in points and in weights; dividing
+    // by the weights brings their ratio along.
+    const double greatest = this->S.IsRational() ? this->S.Weights().maxCoeff() : 1.0;
+    const double least = this->S.IsRational() ? this->S.Weights().minCoeff() : 1.0;
+    const double error = UnitRoundoff * (2.0 * this->Roundings + 8.0) *
+      points.cwiseAbs().maxCoeff() * greatest * (this->S.IsRational() ? greatest / least : 1.0);
     return Cone::Around(vectors.leftCols(count),
-      radius * (difference * (1.0 + Rounding) + 8 * Rounding * this->S.Weights().maxCoeff()));
+      (1.0 + 8.0 * UnitRoundoff) *
+        (radius * (difference + 2.0 * UnitRoundoff * (this->Roundings + 1.0) * greatest) +
+          4.0 * error));
   }
 
   /// The paper's I_u, I_v, I_w: bounds of the gradient of det J, in every component the sum of
@@ -166,6 +179,7 @@ private:
   static std::size_t Index(int i) { return static_cast<std::size_t>(i); }
 
   Spline S;
+  double Roundings;
 };
 
 /// Bounds of det J and its gradient on boxes.
@@ -308,7 +322,12 @@ JacobianTree::JacobianTree(const Spline& geometry, const JacobianTreeOptions& op
     }
     return index;
   };
-  Net whole(RestrictToBox(geometry, root.Box.Low, root.Box.High));
+  double roundings = 0.0;
+  for (const int degree : geometry.Degrees())
+  {
+    roundings += Net::RoundingsOfHalving(degree);
+  }
+  Net whole(RestrictToBox(geometry, root.Box.Low, root.Box.High), roundings);
   add(root, std::move(whole));
 
   while (!queue.empty())
@@ -351,7 +370,7 @@ JacobianTree::JacobianTree(const Spline& geometry, const JacobianTreeOptions& op
       child.Box = box;
       const auto A = static_cast<std::size_t>(axis);
       (side == 0 ? child.Box.High : child.Box.Low)[A] = 0.5 * (box.Low[A] + box.High[A]);
-      const int at = add(child, net.Restricted(child.Box));
+      const int at = add(child, net.Half(child.Box, axis));
       this->C[static_cast<std::size_t>(index)].Children[side] = at;
     }
   }
