@@ -57,17 +57,6 @@ void ZeroSetCertificate::Add(const ZeroSetCertificate& other)
   this->ToleranceReached = this->ToleranceReached && other.ToleranceReached;
 }
 
-std::size_t ZeroSet::Worker::HashNode::operator()(const std::array<int, 4>& key) const
-{
-  std::uint64_t hash = 0;
-  for (const int k : key)
-  {
-    hash = (hash ^ static_cast<std::uint32_t>(k)) * 0x9E3779B97F4A7C15u;
-    hash ^= hash >> 29;
-  }
-  return static_cast<std::size_t>(hash);
-}
-
 ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const ScalarField& field,
   ZeroSetOptions options)
   : Prepared(std::move(prepared))

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <unordered_set>
+#include <tuple>
 
 namespace hyperpatch
 {
@@ -89,12 +89,6 @@ Eigen::Vector3d ZeroSet::Worker::Normal(
   return norm > 0.0 ? Eigen::Vector3d(normal / norm) : normal;
 }
 
-std::optional<ZeroSet::Worker::Index> ZeroSet::Worker::FindNode(const Node& node) const
-{
-  const auto found = this->Nodes.find({ node[0], node[1], node[2], 0 });
-  return found == this->Nodes.end() ? std::nullopt : std::optional<Index>(found->second);
-}
-
 void ZeroSet::Worker::ForMinimalFaces(
   const Node& low, int size, int normal, const VisitPart& visit) const
 {
@@ -103,7 +97,7 @@ void ZeroSet::Worker::ForMinimalFaces(
   Node centre = low;
   centre[b] += size / 2;
   centre[c] += size / 2;
-  if (size > 1 && this->Axes.size() == 3 && this->FindNode(centre))
+  if (size > 1 && this->Axes.size() == 3 && this->IsNode(centre))
   {
     // A box on one of the two sides was halved.
     for (int i = 0; i < 4; ++i)
@@ -123,7 +117,7 @@ void ZeroSet::Worker::ForMinimalEdges(
 {
   Node middle = low;
   middle[static_cast<std::size_t>(axis)] += size / 2;
-  if (size > 1 && this->FindNode(middle))
+  if (size > 1 && this->IsNode(middle))
   {
     this->ForMinimalEdges(low, size / 2, axis, visit);
     this->ForMinimalEdges(middle, size / 2, axis, visit);
@@ -136,33 +130,45 @@ ZeroSet::Worker::Index ZeroSet::Worker::VertexOn(const Node& low, int size, int 
 {
   Node high = low;
   high[static_cast<std::size_t>(axis)] += size;
-  const double f0 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(low))];
-  const double f1 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(high))];
+  const double f0 = this->ValueAt(low);
+  const double f1 = this->ValueAt(high);
   // Only a positive end can be zero; then the vertex is that node.
   Vertex vertex{ low, axis, size, f0, f1 };
   if (f0 == 0.0 || f1 == 0.0)
   {
     vertex = { f0 == 0.0 ? low : high, 3, 0, 0.0, 0.0 };
   }
-  const auto [at, isNew] =
-    this->VertexOfEdge.try_emplace({ vertex.At[0], vertex.At[1], vertex.At[2], vertex.Axis },
-      static_cast<Index>(this->Vertices.size()));
+  return this->AddVertex(vertex);
+}
+
+ZeroSet::Worker::Index ZeroSet::Worker::AddVertex(const Vertex& vertex)
+{
+  const auto [number, isNew] =
+    this->VertexKeys.Number({ vertex.At[0], vertex.At[1], vertex.At[2], vertex.Axis });
   if (isNew)
   {
     this->Vertices.push_back(vertex);
   }
-  return at->second;
+  return number;
+}
+
+bool ZeroSet::Worker::GoesOn(int direction, int line) const
+{
+  const auto d = static_cast<std::size_t>(direction);
+  const CellLines& lines = this->Lines[d];
+  const bool atEnd = line == lines.Length();
+  return (line == 0 || atEnd) &&
+    this->Options.GoesOn[2 * d + (atEnd != lines.IsMirrored() ? 1 : 0)];
 }
 
 void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
 {
   const auto first = static_cast<Index>(this->Curves.size());
-  const auto [record, isNew] = this->CurvesOfFace.try_emplace(
-    { low[0], low[1], low[2], normal }, std::array<Index, 2>{ first, 0 });
-  if (!isNew)
+  if (!this->FaceKeys.Number({ low[0], low[1], low[2], normal }).second)
   {
     return;
   }
+  this->CurvesOfFace.push_back({ first, 0 });
   // Once around, counter-clockwise seen from the end of the normal axis.
   const int b = (normal + 1) % 3;
   const int c = (normal + 2) % 3;
@@ -185,8 +191,8 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
     {
       Node end = at;
       end[static_cast<std::size_t>(axis)] += length;
-      const bool p0 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(at))] >= 0.0;
-      const bool p1 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(end))] >= 0.0;
+      const bool p0 = this->ValueAt(at) >= 0.0;
+      const bool p1 = this->ValueAt(end) >= 0.0;
       if (p0 != p1)
       {
         crossings.push_back({ this->VertexOn(at, length, axis), forward ? p0 : p1 });
@@ -217,6 +223,7 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
   }
   const auto n = static_cast<std::size_t>(normal);
   const bool onCrease = this->Axes.size() == 3 && this->Lines[n].IsCrease(low[n]);
+  const bool shared = onCrease && this->GoesOn(normal, low[n]);
   for (std::size_t i = 0; i < crossings.size(); ++i)
   {
     if (!crossings[i].ToNegative)
@@ -226,9 +233,9 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
     // From where the walk leaves the positive side: around what follows, or around what was.
     const std::size_t other = (cutNegative ? i + 1 : i + crossings.size() - 1) % crossings.size();
     this->Curves.push_back(
-      { crossings[i].Vertex, crossings[other].Vertex, 0, 0, normal, onCrease });
+      { crossings[i].Vertex, crossings[other].Vertex, 0, 0, normal, onCrease, shared });
   }
-  record->second[1] = static_cast<Index>(this->Curves.size()) - first;
+  this->CurvesOfFace.back()[1] = static_cast<Index>(this->Curves.size()) - first;
 }
 
 bool ZeroSet::Worker::IsDrawn(const Leaf& leaf, int normal, bool high) const
@@ -242,7 +249,7 @@ bool ZeroSet::Worker::IsDrawn(const Leaf& leaf, int normal, bool high) const
   {
     const Node node{ low[0] + (c & 1) * size, low[1] + (c >> 1 & 1) * size,
       low[2] + (c >> 2) * size };
-    const double value = this->NodeValues[static_cast<std::size_t>(*this->FindNode(node))];
+    const double value = this->ValueAt(node);
     const bool onFace = ((c >> normal & 1) != 0) == high;
     if (onFace ? value != 0.0 : value < 0.0)
     {
@@ -258,15 +265,9 @@ void ZeroSet::Worker::TraceFlat(const Node& low, int size, int normal)
   const auto first = static_cast<Index>(this->Curves.size());
   const auto b = static_cast<std::size_t>((normal + 1) % 3);
   const auto c = static_cast<std::size_t>((normal + 2) % 3);
-  const auto vertexAt = [this](const Node& node)
-  {
-    const auto [at, isNew] = this->VertexOfEdge.try_emplace(
-      { node[0], node[1], node[2], 3 }, static_cast<Index>(this->Vertices.size()));
-    if (isNew)
-    {
-      this->Vertices.push_back({ node, 3, 0, 0.0, 0.0 });
-    }
-    return at->second;
+  this->FaceKeys.Number({ low[0], low[1], low[2], 3 + normal });
+  const auto vertexAt = [this](const Node& node) {
+    return this->AddVertex({ node, 3, 0, 0.0, 0.0 });
   };
   const auto side = [&](const Node& from, std::size_t axis, bool forward)
   {
@@ -293,16 +294,12 @@ void ZeroSet::Worker::TraceFlat(const Node& low, int size, int normal)
   side(right, c, true);
   side(top, b, false);
   side(low, c, false);
-  this->CurvesOfFace[{ low[0], low[1], low[2], 3 + normal }] = { first,
-    static_cast<Index>(this->Curves.size()) - first };
+  this->CurvesOfFace.push_back({ first, static_cast<Index>(this->Curves.size()) - first });
 }
 
 bool ZeroSet::Worker::AddNode(const Node& node)
 {
-  const bool isNew =
-    this->Nodes
-      .try_emplace({ node[0], node[1], node[2], 0 }, static_cast<Index>(this->NodeAt.size()))
-      .second;
+  const bool isNew = this->Nodes.Number({ node[0], node[1], node[2], 0 }).second;
   if (isNew)
   {
     this->NodeAt.push_back(node);
@@ -312,7 +309,7 @@ bool ZeroSet::Worker::AddNode(const Node& node)
 
 void ZeroSet::Worker::CollectNodes()
 {
-  this->Nodes.clear();
+  this->Nodes.Clear();
   this->NodeAt.clear();
   const auto addCorners = [this](const Box& box, int divisions)
   {
@@ -330,7 +327,7 @@ void ZeroSet::Worker::CollectNodes()
     }
   };
   // The corners of leaves, and the places where boxes around them were halved.
-  std::unordered_set<std::array<int, 4>, HashNode> halved;
+  Numbering halved;
   for (const Leaf& leaf : this->Leaves)
   {
     addCorners(leaf.At, 1);
@@ -341,7 +338,7 @@ void ZeroSet::Worker::CollectNodes()
       {
         box.Low[static_cast<std::size_t>(d)] &= ~(box.Size - 1);
       }
-      if (!halved.insert({ box.Low[0], box.Low[1], box.Low[2], box.Size }).second)
+      if (!halved.Number({ box.Low[0], box.Low[1], box.Low[2], box.Size }).second)
       {
         break;
       }
@@ -384,12 +381,13 @@ bool ZeroSet::Worker::AddNodes(int side, const std::vector<std::array<int, 2>>& 
 
 bool ZeroSet::Worker::Trace()
 {
-  this->VertexOfEdge.clear();
+  this->VertexKeys.Clear();
+  this->FaceKeys.Clear();
   this->CurvesOfFace.clear();
   this->Vertices.clear();
   this->Curves.clear();
   Eigen::Matrix3Xd parameters(3, static_cast<Index>(this->NodeAt.size()));
-  this->NodeValues.resize(this->Nodes.size());
+  this->NodeValues.resize(this->Nodes.Count());
   if (!this->Parallel(static_cast<Index>(this->NodeValues.size()), Batch,
         [&](Index begin, Index end)
         {
@@ -440,8 +438,8 @@ bool ZeroSet::Worker::Trace()
         {
           Node end = at;
           end[static_cast<std::size_t>(this->Axes[0])] += s;
-          const double f0 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(at))];
-          const double f1 = this->NodeValues[static_cast<std::size_t>(*this->FindNode(end))];
+          const double f0 = this->ValueAt(at);
+          const double f1 = this->ValueAt(end);
           if ((f0 >= 0.0) != (f1 >= 0.0))
           {
             this->VertexOn(at, s, this->Axes[0]);
@@ -627,7 +625,14 @@ void ZeroSet::Worker::Snap()
     };
     const auto best = std::min_element(around.begin() + static_cast<std::ptrdiff_t>(first),
       around.begin() + static_cast<std::ptrdiff_t>(end),
-      [&](const auto& a, const auto& b) { return leaves(a.second) < leaves(b.second); });
+      [&](const auto& a, const auto& b)
+      {
+        // By places, not numbers: so both sides of a face choose the same.
+        const Vertex& va = this->Vertices[static_cast<std::size_t>(a.second)];
+        const Vertex& vb = this->Vertices[static_cast<std::size_t>(b.second)];
+        return std::make_tuple(leaves(a.second), va.Axis, va.At) <
+          std::make_tuple(leaves(b.second), vb.Axis, vb.At);
+      });
     for (std::size_t i = first; i < end; ++i)
     {
       const Index v = around[i].second;
@@ -638,7 +643,8 @@ void ZeroSet::Worker::Snap()
     }
   }
   this->CurveOf.resize(this->Curves.size());
-  std::unordered_map<std::array<int, 4>, Index, HashNode> curveOfEnds;
+  Numbering ends;
+  std::vector<Index> firstOf;
   for (std::size_t c = 0; c < this->Curves.size(); ++c)
   {
     Curve& curve = this->Curves[c];
@@ -650,19 +656,25 @@ void ZeroSet::Worker::Snap()
       continue;
     }
     const auto [low, high] = std::minmax(curve.From, curve.To);
-    const auto [same, isNew] = curveOfEnds.try_emplace(
-      { static_cast<int>(low), static_cast<int>(high), 0, 0 }, static_cast<Index>(c));
+    const auto [number, isNew] =
+      ends.Number({ static_cast<int>(low), static_cast<int>(high), 0, 0 });
+    if (isNew)
+    {
+      firstOf.push_back(static_cast<Index>(c));
+    }
+    const Index same = firstOf[static_cast<std::size_t>(number)];
     if (!isNew && curve.IsOnCrease)
     {
       // The one that has to stay in a plane is right for all.
-      Curve& kept = this->Curves[static_cast<std::size_t>(same->second)];
+      Curve& kept = this->Curves[static_cast<std::size_t>(same)];
       if (!kept.IsOnCrease)
       {
         kept.IsOnCrease = true;
         kept.Normal = curve.Normal;
+        kept.IsShared = curve.IsShared;
       }
     }
-    this->CurveOf[c] = same->second;
+    this->CurveOf[c] = same;
   }
 }
 
@@ -924,6 +936,8 @@ void ZeroSet::Worker::MeasureCurves(Index begin, const std::vector<std::size_t>&
   middles.SetZero(*this, total);
   middles.Axes.resize(static_cast<std::size_t>(total));
   middles.Chords.setZero(3, total);
+  middles.Slopes = middles.Attributes;
+  middles.IsShared.assign(static_cast<std::size_t>(total), 0);
   Index at = 0;
   for (const std::size_t k : which)
   {
@@ -947,7 +961,14 @@ void ZeroSet::Worker::MeasureCurves(Index begin, const std::vector<std::size_t>&
         if (outline)
         {
           const Eigen::Vector3d chord = to->Points.col(b) - from->Points.col(a);
+          const double length = chord.norm();
           middles.Chords.col(at) = chord.normalized();
+          middles.IsShared[static_cast<std::size_t>(at)] = curve.IsShared ? 1 : 0;
+          for (std::size_t s = 0; s < middles.Slopes.size() && length > 0.0; ++s)
+          {
+            middles.Slopes[s].col(at) =
+              (to->Attributes[s].col(b) - from->Attributes[s].col(a)) / length;
+          }
         }
         ++at;
       }

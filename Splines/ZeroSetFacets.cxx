@@ -248,8 +248,8 @@ void ZeroSet::Worker::FindLoops(const Leaf& leaf, std::vector<std::vector<Index>
       this->ForMinimalFaces(corner, size, normal,
         [&](const Node& at, int)
         {
-          const auto record = this->CurvesOfFace.find({ at[0], at[1], at[2], normal });
-          const auto [first, count] = record->second;
+          const Index face = this->FaceKeys.Find({ at[0], at[1], at[2], normal });
+          const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face)];
           for (Index c = first; c < first + count; ++c)
           {
             const Index kept = this->CurveOf[static_cast<std::size_t>(c)];
@@ -328,8 +328,8 @@ void ZeroSet::Worker::FindFlatLoops(const Leaf& leaf, std::vector<std::vector<In
       }
       Node low = leaf.At.Low;
       low[static_cast<std::size_t>(d)] += high ? leaf.At.Size : 0;
-      const auto [first, count] =
-        this->CurvesOfFace.find({ low[0], low[1], low[2], 3 + d })->second;
+      const Index face = this->FaceKeys.Find({ low[0], low[1], low[2], 3 + d });
+      const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face)];
       std::vector<Index> loop;
       for (Index c = first; c < first + count; ++c)
       {
@@ -406,7 +406,7 @@ void ZeroSet::Worker::FillPolygon(const std::vector<Index>& loop, Facets& facets
 
 void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors) const
 {
-  const auto& [parameters, points, attributes, axes, chords] = middles;
+  const auto& [parameters, points, attributes, axes, slopes, isShared, chords] = middles;
   // From the middle of the parameters one step onto f = 0, then the distance across the surface.
   const Index count = parameters.cols();
   const auto n = static_cast<std::size_t>(count);
@@ -437,6 +437,7 @@ void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors
   }
   this->Geometry.EvaluateWithDerivatives(n, at.data(), X.data(), D.data());
   std::vector<Eigen::Vector3d> tangential(n);
+  std::vector<double> along(n);
   for (Index i = 0; i < count; ++i)
   {
     Eigen::Vector3d off = points.col(i);
@@ -445,13 +446,18 @@ void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors
     const double across = off.dot(normal);
     const bool hasNormal = this->Axes.size() == 3 && normal.squaredNorm() > 0.5;
     double distance = hasNormal ? std::abs(across) : off.norm();
-    if (chords.cols() > 0 && !chords.col(i).isZero(0.0))
+    const bool isCurve = chords.cols() > 0 && !chords.col(i).isZero(0.0);
+    if (isCurve)
     {
       distance = (off - off.dot(chords.col(i)) * chords.col(i)).norm();
     }
     errors[static_cast<std::size_t>(i)] = { distance, 0.0 };
-    tangential[static_cast<std::size_t>(i)] =
-      hasNormal ? Eigen::Vector3d(off - across * normal) : off;
+    // Of a curve in a common face two patches must think the same.
+    const bool shared = isCurve && isShared[static_cast<std::size_t>(i)] != 0;
+    along[static_cast<std::size_t>(i)] = shared ? off.dot(chords.col(i)) : 0.0;
+    tangential[static_cast<std::size_t>(i)] = shared ? Eigen::Vector3d::Zero()
+      : hasNormal                                    ? Eigen::Vector3d(off - across * normal)
+                                                     : off;
   }
   for (std::size_t a = 0; a < this->Attributes.size(); ++a)
   {
@@ -482,6 +488,7 @@ void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors
       for (int c = 0; c < components; ++c)
       {
         double value = exact(c, i);
+        value += slopes.empty() ? 0.0 : slopes[a](c, i) * along[static_cast<std::size_t>(i)];
         for (int d = 0; d < 3; ++d)
         {
           value += slope(components * d + c, i) * du[d];
@@ -587,25 +594,45 @@ bool ZeroSet::Worker::FillSheet(
       std::abs(this->Line(d, leaf.At.Low[D] + leaf.At.Size) - this->Line(d, leaf.At.Low[D]));
     width[d] = std::max(width[d], 1e-3 * box);
   }
+  // Few corners may do as they are.
+  constexpr std::size_t Few = 12;
+  if (loop.size() <= Few)
+  {
+    Shape flat;
+    flat.Axis = leaf.Height;
+    flat.A = (leaf.Height + 1) % 3;
+    flat.B = (leaf.Height + 2) % 3;
+    flat.Centre = 0.5 * (low + high);
+    flat.Slope.setZero();
+    flat.Bend.setZero();
+    flat.Metric.setZero();
+    Facets piece;
+    const double error =
+      this->FillSheet(flat, leaf.Rises ? 1.0 : -1.0, 1.0, JustOnce, width, loop, scratch, piece);
+    if (error >= 0.0 && error <= 1.0)
+    {
+      facets.Cells.insert(facets.Cells.end(), piece.Cells.begin(), piece.Cells.end());
+      facets.Error = std::max(facets.Error, piece.Error);
+      facets.AttributeError = std::max(facets.AttributeError, piece.AttributeError);
+      return true;
+    }
+  }
   const std::optional<Shape> shape = this->Probe(0.5 * (low + high), width, leaf.Height);
   if (!shape)
   {
     return false;
   }
   // Counter-clockwise around the normal is counter-clockwise in (a, b) where f grows with height.
-  double value = 0.0;
-  Eigen::Vector3d g;
-  this->Field.EvaluateWithGradient(1, shape->Centre.data(), &value, g.data());
-  const double turn = g[shape->Axis] > 0.0 ? 1.0 : -1.0;
-
+  const double turn = leaf.Rises ? 1.0 : -1.0;
   // Denser where the metric turns out to be too coarse for some place.
   constexpr int Tries = 3;
   double density = 1.0;
   for (int tried = 0; tried < Tries; ++tried)
   {
     Facets piece;
-    const double limit = tried + 1 < Tries ? 2.0 : 0.0;
-    const double error = this->FillSheet(*shape, turn, density, limit, width, loop, scratch, piece);
+    const Effort effort = tried + 1 < Tries ? UntilMostMiss : Full;
+    const double error =
+      this->FillSheet(*shape, turn, density, effort, width, loop, scratch, piece);
     if (error < 0.0)
     {
       return false;
@@ -633,7 +660,7 @@ bool ZeroSet::Worker::FillSheet(
   return true;
 }
 
-double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double density, double limit,
+double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double density, Effort effort,
   const Eigen::Vector3d& width, const std::vector<Index>& loop, Scratch& scratch,
   Facets& facets) const
 {
@@ -756,7 +783,7 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
     {
       break;
     }
-    if (all > 16 && 2 * missing.size() > all && limit > 0.0)
+    if (effort == JustOnce || (effort == UntilMostMiss && all > 16 && 2 * missing.size() > all))
     {
       double sum = 0.0;
       for (const auto& miss : missing)

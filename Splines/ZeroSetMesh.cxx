@@ -68,7 +68,8 @@ void ZeroSet::Worker::Assemble()
   const Index shared = this->Shared.Count();
   std::vector<Index> place(static_cast<std::size_t>(shared), -1);
   std::vector<std::pair<Index, int>> columns; // shared point, bits of the sides it is below of
-  std::unordered_map<std::array<int, 4>, Index, HashNode> copies;
+  Numbering copies;
+  std::vector<Index> columnOf; // of the copies
   const auto sidesOf = [&](Index point, std::size_t leaf)
   {
     int below = 0;
@@ -109,13 +110,14 @@ void ZeroSet::Worker::Assemble()
       }
       else
       {
-        const auto [at, isNew] = copies.try_emplace(
-          { static_cast<int>(corner), static_cast<int>(corner >> 32), below, 0 }, next);
+        const auto [number, isNew] =
+          copies.Number({ static_cast<int>(corner), static_cast<int>(corner >> 32), below, 0 });
         if (isNew)
         {
           columns.emplace_back(corner, below);
+          columnOf.push_back(next);
         }
-        corner = at->second;
+        corner = columnOf[static_cast<std::size_t>(number)];
       }
     }
   }

@@ -104,6 +104,7 @@ ZeroSet::Worker::Height ZeroSet::Worker::FindHeight(const Box& box, const BoxSpl
     {
       least = low;
       height.Axis = d;
+      height.Rises = slope.Low > 0.0;
     }
   }
   height.Steepness = greatest > 0.0 ? least / greatest : 0.0;
@@ -156,8 +157,7 @@ unsigned ZeroSet::Worker::FindFlat(const Box& box, const BoxSpline& f, bool& tou
       }
       if (line == 0 || line == lines.Length())
       {
-        const bool goesOn = this->Options.GoesOn[2 * D + (atHigh ? 1 : 0)];
-        flat |= goesOn ? 0u : 1u << (2 * d + (high ? 1 : 0));
+        flat |= this->GoesOn(d, line) ? 0u : 1u << (2 * d + (high ? 1 : 0));
         continue;
       }
       // The next root cell is the nearest that there can be on the other side.
@@ -221,7 +221,7 @@ void ZeroSet::Worker::Visit(const Box& box, BoxSpline& f, Visited& visited) cons
     if (f.Vanishes(Everywhere) || f.IsLostInNoise())
     {
       visited.Undecided.push_back(box);
-      visited.Leaves.push_back({ box, false, -1, 0 });
+      visited.Leaves.push_back({ box, false, -1, true, 0 });
       return;
     }
     height = this->FindHeight(box, f);
@@ -241,7 +241,8 @@ void ZeroSet::Worker::Visit(const Box& box, BoxSpline& f, Visited& visited) cons
     {
       visited.Undecided.push_back(box);
     }
-    visited.Leaves.push_back({ box, height.Axis >= 0 && !touches, height.Axis, flat });
+    visited.Leaves.push_back(
+      { box, height.Axis >= 0 && !touches, height.Axis, height.Rises, flat });
     return;
   }
   const int half = box.Size / 2;
@@ -275,7 +276,7 @@ void ZeroSet::Worker::VisitSampled(const Box& box, Visited& visited) const
   this->Field.EvaluateWithGradient(27, parameters.data(), values.data(), gradients.data());
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const bool crosses = *low <= 0.0 && *high >= 0.0;
-  Height height{ -1, 1.0 };
+  Height height{ -1, true, 1.0 };
   double steepest = 0.0;
   for (const int d : this->Axes)
   {
@@ -286,6 +287,7 @@ void ZeroSet::Worker::VisitSampled(const Box& box, Visited& visited) const
     {
       steepest = least;
       height.Axis = d;
+      height.Rises = gradients(d, 0) > 0.0;
     }
   }
   const double width = this->Width(box);
@@ -298,7 +300,7 @@ void ZeroSet::Worker::VisitSampled(const Box& box, Visited& visited) const
     visited.Undecided.push_back(box);
     if (crosses)
     {
-      visited.Leaves.push_back({ box, false, height.Axis, 0 });
+      visited.Leaves.push_back({ box, false, height.Axis, height.Rises, 0 });
     }
     return;
   }

@@ -5,6 +5,7 @@
 #include "BoxSpline.h"
 #include "CellLines.h"
 #include "FacetTriangulation.h"
+#include "NumberingWorker.h"
 #include "ZeroSet.h"
 
 #include <Eigen/Dense>
@@ -13,7 +14,6 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -53,11 +53,6 @@ private:
 
   /// A place where lines of the three directions meet.
   using Node = std::array<int, 3>;
-  struct HashNode
-  {
-    std::size_t operator()(const std::array<int, 4>& key) const;
-  };
-
   /// A box between lines: a cube of `Size` lines in the directions that are there.
   struct Box
   {
@@ -71,6 +66,7 @@ private:
     Box At;
     bool IsCertified;
     int Height; ///< the direction in which the surface is a graph; -1: unknown
+    bool Rises; ///< whether f grows in it
     /// Bits 2 d and 2 d + 1 of the faces, at its lower and upper line, on which f is 0 all over and
     /// that are to be drawn as pieces of the surface.
     unsigned Flat = 0;
@@ -91,7 +87,9 @@ private:
   {
     Eigen::Matrix3Xd Parameters, Points;
     std::vector<Eigen::MatrixXd> Attributes;
-    std::vector<int> Axes;   ///< to find the surface along; empty: along the steepest
+    std::vector<int> Axes;               ///< to find the surface along; empty: along the steepest
+    std::vector<Eigen::MatrixXd> Slopes; ///< of attributes along the chords
+    std::vector<char> IsShared;          ///< know nothing of what is beside the chord
     Eigen::Matrix3Xd Chords; ///< directions of cells whose error is across them in space, or zero
 
     void SetZero(const Worker& worker, Index count);
@@ -105,8 +103,9 @@ private:
     Index From, To;
     Index First = 0; ///< its inner points are the shared points First .. First + Count - 1
     Index Count = 0;
-    int Normal;      ///< the axis
-    bool IsOnCrease; ///< the face is one of the domain or a crease
+    int Normal;            ///< the axis
+    bool IsOnCrease;       ///< the face is one of the domain or a crease
+    bool IsShared = false; ///< the face is a side beyond which the model goes on
   };
 
   /// The curvature of the surface around a point, as a graph over the two other directions.
@@ -146,6 +145,7 @@ private:
   struct Height
   {
     int Axis = -1;
+    bool Rises = true;      ///< f grows in it
     double Steepness = 0.0; ///< least slope in it by the greatest in any direction
   };
   [[nodiscard]] Height FindHeight(const Box& box, const BoxSpline& f) const;
@@ -161,7 +161,15 @@ private:
   void CollectNodes();
   bool AddNode(const Node& node);
   bool Trace();
-  [[nodiscard]] std::optional<Index> FindNode(const Node& node) const;
+  [[nodiscard]] bool IsNode(const Node& node) const
+  {
+    return this->Nodes.Find({ node[0], node[1], node[2], 0 }) >= 0;
+  }
+  [[nodiscard]] double ValueAt(const Node& node) const
+  {
+    return this
+      ->NodeValues[static_cast<std::size_t>(this->Nodes.Find({ node[0], node[1], node[2], 0 }))];
+  }
   using VisitPart = std::function<void(const Node& low, int size)>;
   void ForMinimalFaces(const Node& low, int size, int normal, const VisitPart& visit) const;
   void ForMinimalEdges(const Node& low, int size, int axis, const VisitPart& visit) const;
@@ -169,7 +177,11 @@ private:
   /// Whether a leaf draws the face on which f is 0: where signs at corners do not show it.
   [[nodiscard]] bool IsDrawn(const Leaf& leaf, int normal, bool high) const;
   void TraceFlat(const Node& low, int size, int normal);
+  struct Vertex;
   Index VertexOn(const Node& low, int size, int axis);
+  Index AddVertex(const Vertex& vertex);
+  /// Whether a line is a side beyond which the model goes on.
+  [[nodiscard]] bool GoesOn(int direction, int line) const;
   bool FindVertices();
   /// Joins vertices that lie close together around a node, and the curves that become one by that.
   void Snap();
@@ -201,12 +213,19 @@ private:
     const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
   bool FillSheet(
     const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
+  /// How much is done to meet the tolerances: nothing; points added as long as not most triangles
+  /// miss them; points added. What gives up makes no cells.
+  enum Effort
+  {
+    JustOnce,
+    UntilMostMiss,
+    Full
+  };
   /// One try of it.
   /// \param density multiplies the metric
-  /// \param limit if not 0, it is given up where most triangles miss a tolerance; then there are no
-  /// cells, and the factor by which they do is returned
-  /// \returns the largest error by its tolerance, or -1 where the loop is no simple polygon
-  double FillSheet(const Shape& shape, double turn, double density, double limit,
+  /// \returns the largest error by its tolerance (about the mean one where it was given up), or -1
+  /// where the loop is no simple polygon
+  double FillSheet(const Shape& shape, double turn, double density, Effort effort,
     const Eigen::Vector3d& width, const std::vector<Index>& loop, Scratch& scratch,
     Facets& facets) const;
   void FillPolygon(const std::vector<Index>& loop, Facets& facets) const;
@@ -251,7 +270,7 @@ private:
   double DomainWidth = 0.0;  ///< the longest line through the middle of it, in space
 
   std::vector<Leaf> Leaves;
-  std::unordered_map<std::array<int, 4>, Index, HashNode> Nodes; ///< corners of boxes
+  Numbering Nodes; ///< corners of boxes
   std::vector<Node> NodeAt;
   std::vector<double> NodeValues;
   double LargestValue = 0.0;
@@ -264,9 +283,10 @@ private:
     double FLow, FHigh;
   };
   std::vector<Vertex> Vertices; ///< the first shared points
-  std::unordered_map<std::array<int, 4>, Index, HashNode> VertexOfEdge;
-  std::unordered_map<std::array<int, 4>, std::array<Index, 2>, HashNode> CurvesOfFace;
+  Numbering VertexKeys;         ///< lower node and axis
+  Numbering FaceKeys;           ///< lower node and normal; 3 + normal for a flat one
   std::vector<Curve> Curves;
+  std::vector<std::array<Index, 2>> CurvesOfFace; ///< first and count
   std::vector<Index> CurveOf; ///< the first of the curves with the same ends; -1: no length
   Samples Shared;
   std::vector<Facets> Pieces; ///< per leaf
