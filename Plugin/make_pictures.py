@@ -80,3 +80,18 @@ show(s.NURBSExtractPatches(Input=tube, PatchIds=[1]), Representation='NURBS Soli
      EdgeColor=[0, 0, 0.2], LineWidth=1.5)
 glass(s.NURBSExtractPatches(Input=tube, PatchIds=[0]))
 save('NURBSExtractPatches')
+
+# Some 300 samples, the isosurface of their interpolant, and what linear interpolation makes of them.
+samples = s.ExtractSubset(Input=s.Wavelet(), VOI=[-10, 10, -10, 10, -10, 10],
+                          SampleRateI=3, SampleRateJ=3, SampleRateK=3)
+iso = {'ContourBy': ['POINTS', 'RTData'], 'Isosurfaces': [170]}
+show(s.NURBSContour(Input=s.NURBSFit(Input=samples), **iso))
+s.ColorBy(s.Show(s.Contour(Input=samples, **iso), view, Representation='Wireframe',
+                 AmbientColor=[0.6, 0.1, 0.1], LineWidth=1.5), ('POINTS', None))
+s.Show(samples, view, Representation='Outline')
+save('NURBSFit')
+
+added = s.NURBSAddAttribute(Input=pipe, AttributeName='Waves', Expression='sin(8*x)*cos(8*y) + z',
+                            Basis='Uniform', ControlPoints=[24, 24, 12])
+s.ColorBy(show(added, Representation='NURBS Solid'), ('POINTS', 'Waves'))
+save('NURBSAddAttribute')
