@@ -113,14 +113,18 @@ class Validity(unittest.TestCase):
         pipe = common.open_file(common.PIPE)
         mirror = simple.Transform(Input=pipe)
         mirror.Transform.Scale = [1.0, 1.0, -2.0]
-        before, after = (common.fetch(simple.NURBSValidity(Input=model)) for model in (pipe, mirror))
+        before, after = (common.fetch(simple.NURBSValidity(Input=model))
+                         for model in (pipe, mirror))
+
         def array(mesh, name):
             return vtk_to_numpy(mesh.GetCellData().GetArray(name))
+
         self.assertTrue((array(before, 'Handedness') == -array(after, 'Handedness')).all())
         self.assertTrue((array(before, 'Verdict') == array(after, 'Verdict')).all())
         # det J is -2 times what it was; both are certain to 1 %.
         scale = abs(array(before, 'MaximumJacobianUpper')).max()
-        difference = array(after, 'MinimumJacobianLower') + 2 * array(before, 'MaximumJacobianUpper')
+        difference = (array(after, 'MinimumJacobianLower') +
+                      2 * array(before, 'MaximumJacobianUpper'))
         self.assertLess(abs(difference).max(), 0.05 * scale)
 
     def test_verdict_colours_the_elements(self):
