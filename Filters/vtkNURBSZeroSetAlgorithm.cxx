@@ -126,8 +126,23 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   this->SetProgressRange(0.0, 0.3);
   forAll([](hyperpatch::ZeroSet& zeroSet) { zeroSet.Search(); });
   this->ExchangeNodes(tasks, zeroSets);
-  this->SetProgressRange(0.3, 1.0);
+  this->SetProgressRange(0.3, 0.8);
   forAll([](hyperpatch::ZeroSet& zeroSet) { zeroSet.Finish(); });
+  this->SetProgressRange(0.8, 1.0);
+  std::vector<char> refined(zeroSets.size(), 1);
+  for (int round = 0; round < hyperpatch::ZeroSet::MostRefinements; ++round)
+  {
+    for (std::size_t i = 0; i < zeroSets.size(); ++i)
+    {
+      refined[i] = !this->GetAbortExecute() && zeroSets[i]->Refine() ? 1 : 0;
+    }
+    if (!this->AnyRank(std::find(refined.begin(), refined.end(), 1) != refined.end()))
+    {
+      break;
+    }
+    this->ExchangeNodes(tasks, zeroSets);
+    forAll([](hyperpatch::ZeroSet& zeroSet) { zeroSet.Finish(); });
+  }
 
   hyperpatch::ZeroSetCertificate certificate;
   for (std::size_t i = 0; i < tasks.size(); ++i)

@@ -217,7 +217,12 @@ ZeroSet::~ZeroSet() = default;
 
 bool ZeroSet::Extract()
 {
-  return this->Search() && this->Finish();
+  bool finished = this->Search() && this->Finish();
+  for (int round = 0; round < MostRefinements && finished && this->Refine(); ++round)
+  {
+    finished = this->Finish();
+  }
+  return finished;
 }
 
 const std::array<int, 3>& ZeroSet::Roots() const
@@ -259,6 +264,11 @@ const ZeroSetMesh& ZeroSet::Mesh() const
 const ZeroSetCertificate& ZeroSet::Certificate() const
 {
   return this->W->Certificate;
+}
+
+bool ZeroSet::Refine()
+{
+  return this->W->Refine();
 }
 
 }

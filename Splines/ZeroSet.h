@@ -45,7 +45,6 @@ struct ZeroSetCertificate
   /// Parameter boxes, no wider than the tolerance unless a maximum stopped refinement, in which a
   /// zero can neither be excluded nor proven to be a simple sheet; all boxes where f has no bounds.
   std::int64_t UndecidedCells = 0;
-  std::int64_t Failed = 0;
   double LargestResidual = 0.0;       ///< of |f| at vertices over the largest |f| at box corners
   double LargestError = 0.0;          ///< physical distance, measured inside every cell
   double LargestAttributeError = 0.0; ///< as a multiple of its tolerance
@@ -120,6 +119,11 @@ public:
   bool AddNodes(int side, const std::vector<std::array<int, 2>>& nodes);
   /// False if aborted.
   bool Finish();
+  /// After Finish(): halves the boxes in which a tolerance was missed or the sheet could not be
+  /// meshed. True if there were any; then tell the neighbors and Finish() again.
+  bool Refine();
+  /// How often that is worth while.
+  static constexpr int MostRefinements = 6;
 
   [[nodiscard]] const ZeroSetMesh& Mesh() const;
   [[nodiscard]] const ZeroSetCertificate& Certificate() const;

@@ -233,7 +233,7 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
     // From where the walk leaves the positive side: around what follows, or around what was.
     const std::size_t other = (cutNegative ? i + 1 : i + crossings.size() - 1) % crossings.size();
     this->Curves.push_back(
-      { crossings[i].Vertex, crossings[other].Vertex, 0, 0, normal, onCrease, shared });
+      { crossings[i].Vertex, crossings[other].Vertex, 0, 0, normal, onCrease, false, shared });
   }
   this->CurvesOfFace.back()[1] = static_cast<Index>(this->Curves.size()) - first;
 }
@@ -345,6 +345,10 @@ void ZeroSet::Worker::CollectNodes()
       addCorners(box, 2);
     }
   }
+  for (const Node& node : this->FromOutside)
+  {
+    this->AddNode(node);
+  }
 }
 
 std::vector<std::array<int, 2>> ZeroSet::Worker::NodesOn(int side) const
@@ -374,7 +378,11 @@ bool ZeroSet::Worker::AddNodes(int side, const std::vector<std::array<int, 2>>& 
     node[d] = (side % 2 != 0) != lines.IsMirrored() ? lines.Length() : 0;
     node[d == 0 ? 1 : 0] = first;
     node[d == 2 ? 1 : 2] = second;
-    any = this->AddNode(node) || any;
+    if (this->AddNode(node))
+    {
+      this->FromOutside.push_back(node);
+      any = true;
+    }
   }
   return any;
 }
@@ -883,6 +891,10 @@ void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
       {
         done[k].Resize(*this, wanted[k]);
         this->Copy(samples, offset[k], done[k], 0, wanted[k]);
+      }
+      else
+      {
+        curve(k).HasFailed = true;
       }
     }
     open = std::move(next);

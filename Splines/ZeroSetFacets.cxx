@@ -228,8 +228,9 @@ std::optional<ZeroSet::Worker::Shape> ZeroSet::Worker::Probe(
   return shape.Metric.allFinite() ? std::optional<Shape>(shape) : std::nullopt;
 }
 
-void ZeroSet::Worker::FindLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const
+bool ZeroSet::Worker::FindLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const
 {
+  bool failed = false;
   loops.clear();
   struct Step
   {
@@ -256,6 +257,7 @@ void ZeroSet::Worker::FindLoops(const Leaf& leaf, std::vector<std::vector<Index>
             if (kept >= 0)
             {
               const Curve* curve = &this->Curves[static_cast<std::size_t>(kept)];
+              failed = failed || curve->HasFailed;
               const bool same = curve->From == this->Curves[static_cast<std::size_t>(c)].From;
               steps.push_back({ curve, high == same, false });
             }
@@ -314,6 +316,7 @@ void ZeroSet::Worker::FindLoops(const Leaf& leaf, std::vector<std::vector<Index>
     }
     path.clear();
   }
+  return !failed;
 }
 
 void ZeroSet::Worker::FindFlatLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const
@@ -833,7 +836,7 @@ void ZeroSet::Worker::FillLoop(
 
 void ZeroSet::Worker::FillLeaf(const Leaf& leaf, Scratch& scratch, Facets& facets) const
 {
-  this->FindLoops(leaf, scratch.Loops);
+  facets.IsWithinTolerance = this->FindLoops(leaf, scratch.Loops);
   this->FindFlatLoops(leaf, scratch.Loops);
   facets.Inner.Resize(*this, 0);
   for (const std::vector<Index>& loop : scratch.Loops)

@@ -12,6 +12,9 @@ namespace hyperpatch
 
 void ZeroSet::Worker::Assemble()
 {
+  this->Certificate = ZeroSetCertificate();
+  this->Certificate.UndecidedCells = this->Undecided;
+  this->Certificate.ToleranceReached = !this->WasCapped;
   const int axes = static_cast<int>(this->Axes.size());
   // Cells as shared points >= 0 or inner points of all pieces together < 0.
   std::vector<Index> indices;
@@ -32,13 +35,13 @@ void ZeroSet::Worker::Assemble()
     }
     inner += piece.Inner.Count();
     this->Certificate.CertifiedCells +=
-      this->Leaves[leaf].IsCertified && !piece.Cells.empty() ? 1 : 0;
+      this->Leaves[leaf].IsCertified && piece.Failed == 0 && !piece.Cells.empty() ? 1 : 0;
     this->Certificate.LargestError = std::max(this->Certificate.LargestError, piece.Error);
     this->Certificate.LargestAttributeError =
       std::max(this->Certificate.LargestAttributeError, piece.AttributeError);
     this->Certificate.ToleranceReached =
       this->Certificate.ToleranceReached && piece.IsWithinTolerance;
-    this->Certificate.Failed += piece.Failed;
+    this->Certificate.UndecidedCells += piece.Failed;
   }
   if (axes == 2)
   {

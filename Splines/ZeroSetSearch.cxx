@@ -354,7 +354,9 @@ void ZeroSet::Worker::SearchRoots(const Node& low, const Node& high, std::vector
 
 bool ZeroSet::Worker::Search()
 {
-  this->Certificate = ZeroSetCertificate();
+  this->Undecided = 0;
+  this->WasCapped = false;
+  this->FromOutside.clear();
   this->Leaves.clear();
   std::vector<Box> open;
   {
@@ -366,6 +368,11 @@ bool ZeroSet::Worker::Search()
     }
     this->SearchRoots({ 0, 0, 0 }, last, open);
   }
+  return this->SearchBoxes(std::move(open));
+}
+
+bool ZeroSet::Worker::SearchBoxes(std::vector<Box> open)
+{
   const bool sampled = !this->Field.HasBounds();
   // Chunks are small: boxes differ much in what they cost.
   constexpr Index Grain = 8;
@@ -402,12 +409,41 @@ bool ZeroSet::Worker::Search()
     {
       open.insert(open.end(), chunk.Next.begin(), chunk.Next.end());
       this->Leaves.insert(this->Leaves.end(), chunk.Leaves.begin(), chunk.Leaves.end());
-      this->Certificate.UndecidedCells += static_cast<std::int64_t>(chunk.Undecided.size());
+      this->Undecided += static_cast<std::int64_t>(chunk.Undecided.size());
     }
-    this->Certificate.ToleranceReached = this->Certificate.ToleranceReached && !capped;
+    this->WasCapped = this->WasCapped || capped;
   }
   this->CollectNodes();
   return true;
+}
+
+bool ZeroSet::Worker::Refine()
+{
+  std::vector<Leaf> kept;
+  std::vector<Box> halved;
+  for (std::size_t i = 0; i < this->Leaves.size() && i < this->Pieces.size(); ++i)
+  {
+    const Leaf& leaf = this->Leaves[i];
+    const Facets& piece = this->Pieces[i];
+    if (leaf.At.Size == 1 || (piece.IsWithinTolerance && piece.Failed == 0) ||
+      this->Width(leaf.At) <= this->Options.Tolerance)
+    {
+      kept.push_back(leaf);
+      continue;
+    }
+    const int half = leaf.At.Size / 2;
+    for (int c = 0; c < 1 << this->Axes.size(); ++c)
+    {
+      Box child{ leaf.At.Low, half };
+      for (std::size_t a = 0; a < this->Axes.size(); ++a)
+      {
+        child.Low[static_cast<std::size_t>(this->Axes[a])] += (c >> a & 1) * half;
+      }
+      halved.push_back(child);
+    }
+  }
+  this->Leaves = std::move(kept);
+  return !halved.empty() && this->SearchBoxes(std::move(halved));
 }
 
 }

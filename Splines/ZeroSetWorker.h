@@ -38,6 +38,7 @@ public:
   [[nodiscard]] std::vector<std::array<int, 2>> NodesOn(int side) const;
   bool AddNodes(int side, const std::vector<std::array<int, 2>>& nodes);
   bool Finish();
+  bool Refine();
 
   std::array<int, 3> Roots{};
   ZeroSetMesh Mesh;
@@ -103,9 +104,10 @@ private:
     Index From, To;
     Index First = 0; ///< its inner points are the shared points First .. First + Count - 1
     Index Count = 0;
-    int Normal;            ///< the axis
-    bool IsOnCrease;       ///< the face is one of the domain or a crease
-    bool IsShared = false; ///< the face is a side beyond which the model goes on
+    int Normal;             ///< the axis
+    bool IsOnCrease;        ///< the face is one of the domain or a crease
+    bool HasFailed = false; ///< it could not be followed from end to end
+    bool IsShared = false;  ///< the face is a side beyond which the model goes on
   };
 
   /// The curvature of the surface around a point, as a graph over the two other directions.
@@ -138,6 +140,7 @@ private:
   bool Parallel(Index count, Index grain, const std::function<void(Index, Index)>& body) const;
 
   // Search: ZeroSetSearch.cxx
+  bool SearchBoxes(std::vector<Box> open);
   void SearchRoots(const Node& low, const Node& high, std::vector<Box>& found) const;
   struct Visited;
   void Visit(const Box& box, BoxSpline& f, Visited& visited) const;
@@ -208,7 +211,8 @@ private:
     const Eigen::Vector3d& start, const Eigen::Vector3d& width, int axis) const;
   void FillLeaf(const Leaf& leaf, Scratch& scratch, Facets& facets) const;
   void FindFlatLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
-  void FindLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
+  /// False where a curve around it could not be followed.
+  bool FindLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
   void FillLoop(
     const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
   bool FillSheet(
@@ -269,6 +273,9 @@ private:
   Eigen::Vector3d Low, High; ///< the domain
   double DomainWidth = 0.0;  ///< the longest line through the middle of it, in space
 
+  std::int64_t Undecided = 0;
+  bool WasCapped = false;
+  std::vector<Node> FromOutside; ///< nodes of neighbors
   std::vector<Leaf> Leaves;
   Numbering Nodes; ///< corners of boxes
   std::vector<Node> NodeAt;

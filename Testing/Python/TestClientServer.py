@@ -37,7 +37,9 @@ def client(folder, port):
     filters = common.four_filters(model, common.ATTRIBUTE, common.ISOVALUE, common.ORIGIN)
     for name, proxy in filters.items():
         information = proxy.GetDataInformation()
-        seen[name] = {'cells': information.GetNumberOfCells(),
+        # Cut at other places, slices and isosurfaces are triangulated otherwise.
+        cells = 0 if name in ('slice', 'contour') else information.GetNumberOfCells()
+        seen[name] = {'cells': cells,
                       'bounds': information.GetBounds(),
                       'points': ranges(proxy.PointData), 'cell data': sorted(ranges(proxy.CellData))}
         numpy.save(os.path.join(folder, name + '.npy'), common.cell_corners(common.fetch(proxy)))
@@ -172,6 +174,10 @@ class ClientServer(unittest.TestCase):
             alone, *others = (sort(numpy.load(self.path(mode, name + '.npy'))) for mode in MODES)
             self.assertGreater(len(alone), 0, name)
             for other in others:
+                if name in ('slice', 'contour'):
+                    # Cut at other places it is triangulated otherwise, to the same tolerance.
+                    self.assertLess(common.differ_as_surfaces(alone, other), 2e-3, name)
+                    continue
                 self.assertEqual(alone.shape, other.shape, name)
                 self.assertLess(abs(alone - other).max(), 1e-10 * abs(alone).max(), name)
 

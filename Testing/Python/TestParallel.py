@@ -101,6 +101,10 @@ class Parallel(unittest.TestCase):
             for name in FILTERS:
                 one, three = (surface(folder, name, ranks) for ranks in (1, 3))
                 self.assertGreater(len(one), 0, name)
+                if name in ('slice', 'contour'):
+                    # Cut at other places it is triangulated otherwise, to the same tolerance.
+                    self.assertLess(common.differ_as_surfaces(one, three), 2e-3, name)
+                    continue
                 self.assertEqual(one.shape, three.shape, name)
                 # The restriction of a spline to a piece changes its values by round-off.
                 self.assertLess(abs(one - three).max(), 1e-10 * abs(one).max(), name)

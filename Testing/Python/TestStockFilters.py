@@ -34,13 +34,19 @@ class StockFilters(unittest.TestCase):
         plane.SliceType.Origin = common.ORIGIN
         plane.SliceType.Normal = [1, 0, 0]
         last = common.fetch(turned(plane))
-        a, b = common.points(first), common.points(last)
-        self.assertEqual(a.shape, b.shape)
+        a, b = (common.cell_corners(data) for data in (first, last))
         self.assertGreater(len(a), 100)
-        # Points are polished onto the plane to 1e-12 of the model's size in both.
-        self.assertLess(abs(a - b).max(), 2e-12 * abs(a).max())
-        a, b = (common.point_array(data, 'Temperature') for data in (first, last))
-        self.assertLess(abs(a - b).max(), 1e-10 * abs(a).max())
+        # Round-off may turn a diagonal, so not all triangles are the same.
+        self.assertLess(common.differ_as_surfaces(a, b), 1e-6)
+        # The points that both have are polished onto the plane to 1e-12 of the model's size.
+        points = [common.points(data) for data in (first, last)]
+        values = [common.point_array(data, 'Temperature') for data in (first, last)]
+        distance = numpy.linalg.norm(points[0][:, None] - points[1][None], axis=2)
+        nearest = distance.argmin(axis=1)
+        same = distance.min(axis=1) < 2e-12 * abs(points[0]).max()
+        self.assertGreater(same.mean(), 0.5)
+        self.assertLess(abs(values[0] - values[1][nearest])[same].max(),
+                        1e-10 * abs(values[0]).max())
 
     def test_affine_calculator_is_exact(self):
         # A few roundings of coefficients and of the rational evaluation.

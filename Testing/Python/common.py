@@ -4,6 +4,7 @@ import contextlib
 import os
 import tempfile
 
+import numpy
 from paraview import servermanager, simple
 from paraview.vtk.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
@@ -68,6 +69,34 @@ def point_array(data, name):
 def cell_corners(data):
     """Coordinates of the corners of each triangle: n x 3 x 3."""
     return points(data)[vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3)]
+
+
+def area(corners):
+    a, b, c = corners.transpose(1, 0, 2)
+    return 0.5 * numpy.linalg.norm(numpy.cross(b - a, c - a), axis=1).sum()
+
+
+def outline(corners):
+    """The length of all edges that belong to one triangle only, whatever points are shared."""
+    size = abs(corners).max()
+    _, ids = numpy.unique(numpy.round(corners.reshape(-1, 3) / size, 9) + 0.0, axis=0,
+                          return_inverse=True)
+    ids = ids.reshape(-1, 3)
+    edges = numpy.concatenate([ids[:, [i, (i + 1) % 3]] for i in range(3)])
+    ends = numpy.concatenate([corners[:, [i, (i + 1) % 3]] for i in range(3)])
+    _, first, count = numpy.unique(numpy.sort(edges, axis=1), axis=0, return_index=True,
+                                   return_counts=True)
+    single = ends[first[count == 1]]
+    return numpy.linalg.norm(single[:, 1] - single[:, 0], axis=1).sum()
+
+
+def differ_as_surfaces(one, other):
+    """How much the areas and outlines of two triangulations differ, relatively.
+
+    A crack between parts that different processes have drawn counts as outline.
+    """
+    return max(abs(measure(one) - measure(other)) / max(measure(one), 1e-300)
+               for measure in (area, outline))
 
 
 @contextlib.contextmanager
