@@ -38,10 +38,11 @@ def client(folder, port):
     for name, proxy in filters.items():
         information = proxy.GetDataInformation()
         # Cut at other places, slices and isosurfaces are triangulated otherwise.
-        cells = 0 if name in ('slice', 'contour') else information.GetNumberOfCells()
-        seen[name] = {'cells': cells,
-                      'bounds': information.GetBounds(),
-                      'points': ranges(proxy.PointData), 'cell data': sorted(ranges(proxy.CellData))}
+        same = name not in ('slice', 'contour')
+        seen[name] = {'cells': information.GetNumberOfCells() if same else 0,
+                      'bounds': information.GetBounds() if same else [],
+                      'points': ranges(proxy.PointData) if same else sorted(ranges(proxy.PointData)),
+                      'cell data': sorted(ranges(proxy.CellData))}
         numpy.save(os.path.join(folder, name + '.npy'), common.cell_corners(common.fetch(proxy)))
     information = model.GetDataInformation()
     seen['model'] = {'type': information.GetCompositeDataClassName(),
