@@ -29,6 +29,7 @@ void ZeroSet::Worker::Samples::Resize(const Worker& worker, Index count)
   this->Parameters.conservativeResize(3, count);
   this->Points.conservativeResize(3, count);
   this->Normals.conservativeResize(3, count);
+  this->Residuals.conservativeResize(count);
   this->Attributes.resize(worker.Attributes.size());
   for (std::size_t a = 0; a < this->Attributes.size(); ++a)
   {
@@ -60,6 +61,7 @@ void ZeroSet::Worker::Evaluate(Samples& samples, Index begin, Index end) const
     for (Index i = 0; i < count; ++i)
     {
       samples.Normals.col(first + i) = this->Normal(derivatives.col(i).data(), gradients.col(i));
+      samples.Residuals[first + i] = std::abs(values[static_cast<std::size_t>(i)]);
     }
   }
 }
@@ -233,7 +235,7 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
     // From where the walk leaves the positive side: around what follows, or around what was.
     const std::size_t other = (cutNegative ? i + 1 : i + crossings.size() - 1) % crossings.size();
     this->Curves.push_back(
-      { crossings[i].Vertex, crossings[other].Vertex, 0, 0, normal, onCrease, false, shared });
+      { crossings[i].Vertex, crossings[other].Vertex, 0, 0, normal, onCrease, false, {}, shared });
   }
   this->CurvesOfFace.back()[1] = static_cast<Index>(this->Curves.size()) - first;
 }
@@ -467,8 +469,7 @@ bool ZeroSet::Worker::FindVertices()
 {
   const auto count = static_cast<Index>(this->Vertices.size());
   this->Shared.Resize(*this, count);
-  std::vector<double> residuals(static_cast<std::size_t>((count + Batch - 1) / Batch), 0.0);
-  const bool finished = this->Parallel(count, Batch,
+  return this->Parallel(count, Batch,
     [&](Index begin, Index end)
     {
       // Bracketed roots along edges, all of a batch in step: false position with Illinois' halved
@@ -486,7 +487,6 @@ bool ZeroSet::Worker::FindVertices()
       std::vector<Bracket> open;
       std::vector<double> parameters;
       std::vector<double> values;
-      double& residual = residuals[static_cast<std::size_t>(begin / Batch)];
       for (Index v = begin; v < end; ++v)
       {
         const Vertex& vertex = this->Vertices[static_cast<std::size_t>(v)];
@@ -566,7 +566,6 @@ bool ZeroSet::Worker::FindVertices()
           {
             const bool low = std::abs(o.FLow) < std::abs(o.FHigh);
             this->Shared.Parameters(o.Axis, o.Vertex) = low ? o.Low : o.High;
-            residual = std::max(residual, std::abs(low ? o.FLow : o.FHigh));
           }
           else
           {
@@ -577,11 +576,6 @@ bool ZeroSet::Worker::FindVertices()
       }
       this->Evaluate(this->Shared, begin, end);
     });
-  for (const double residual : residuals)
-  {
-    this->LargestAtVertices = std::max(this->LargestAtVertices, residual);
-  }
-  return finished;
 }
 
 void ZeroSet::Worker::Snap()
@@ -737,8 +731,6 @@ void ZeroSet::Worker::Project(
 
 bool ZeroSet::Worker::FindCurves()
 {
-  // First how many points each curve needs, from its middle; then all of them, and more where they
-  // turn out to be too few.
   const auto count = static_cast<Index>(this->Curves.size());
   constexpr Index Grain = 64;
   std::vector<Samples> found(static_cast<std::size_t>((count + Grain - 1) / Grain));
@@ -759,14 +751,7 @@ bool ZeroSet::Worker::FindCurves()
   this->Shared.Resize(*this, total);
   for (std::size_t chunk = 0; chunk < found.size(); ++chunk)
   {
-    const Samples& s = found[chunk];
-    this->Shared.Parameters.middleCols(start[chunk], s.Count()) = s.Parameters;
-    this->Shared.Points.middleCols(start[chunk], s.Count()) = s.Points;
-    this->Shared.Normals.middleCols(start[chunk], s.Count()) = s.Normals;
-    for (std::size_t a = 0; a < s.Attributes.size(); ++a)
-    {
-      this->Shared.Attributes[a].middleCols(start[chunk], s.Count()) = s.Attributes[a];
-    }
+    this->Copy(found[chunk], 0, this->Shared, start[chunk], found[chunk].Count());
     const Index first = static_cast<Index>(chunk) * Grain;
     for (Index c = first; c < std::min(count, first + Grain); ++c)
     {
@@ -936,8 +921,7 @@ void ZeroSet::Worker::Middles::Add(Index to, double weight, const Samples& sampl
 
 void ZeroSet::Worker::MeasureCurves(Index begin, const std::vector<std::size_t>& which,
   const std::vector<Index>& firsts, const std::vector<Index>& counts, const Samples& samples,
-  const std::vector<int>& axisOf, const std::vector<double>& places,
-  std::vector<double>& errors) const
+  const std::vector<int>& axisOf, const std::vector<double>& places, std::vector<double>& errors)
 {
   Index total = 0;
   for (const std::size_t k : which)
@@ -991,15 +975,18 @@ void ZeroSet::Worker::MeasureCurves(Index begin, const std::vector<std::size_t>&
   at = 0;
   for (const std::size_t k : which)
   {
-    const Curve& curve = this->Curves[static_cast<std::size_t>(begin) + k];
+    Curve& curve = this->Curves[static_cast<std::size_t>(begin) + k];
     const double inner = curve.IsOnCrease || this->Axes.size() < 3 ? 1.0 : InnerChord;
-    errors[k] = 0.0;
+    curve.Measured = Error();
     for (Index i = 0; i < (counts[k] + 1) * static_cast<Index>(places.size()); ++i, ++at)
     {
       const Error& e = measured[static_cast<std::size_t>(at)];
-      errors[k] = std::max({ errors[k], inner * e.Distance / (Target * this->Options.Tolerance),
-        InnerChord * e.Attribute / Target });
+      curve.Measured.Distance = std::max(curve.Measured.Distance, e.Distance);
+      curve.Measured.Attribute = std::max(curve.Measured.Attribute, e.Attribute);
     }
+    errors[k] = std::max(inner * curve.Measured.Distance / this->Options.Tolerance,
+                  InnerChord * curve.Measured.Attribute) /
+      Target;
   }
 }
 
@@ -1009,6 +996,7 @@ void ZeroSet::Worker::Copy(
   to.Parameters.middleCols(at, count) = from.Parameters.middleCols(first, count);
   to.Points.middleCols(at, count) = from.Points.middleCols(first, count);
   to.Normals.middleCols(at, count) = from.Normals.middleCols(first, count);
+  to.Residuals.segment(at, count) = from.Residuals.segment(first, count);
   for (std::size_t a = 0; a < from.Attributes.size(); ++a)
   {
     to.Attributes[a].middleCols(at, count) = from.Attributes[a].middleCols(first, count);

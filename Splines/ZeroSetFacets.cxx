@@ -829,7 +829,9 @@ void ZeroSet::Worker::FillLoop(
   }
   if (leaf.Height >= 0)
   {
+    // Drawn, but nobody has measured it.
     ++facets.Failed;
+    facets.IsWithinTolerance = false;
   }
   this->FillPolygon(loop, facets);
 }

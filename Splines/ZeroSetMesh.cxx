@@ -43,12 +43,19 @@ void ZeroSet::Worker::Assemble()
       this->Certificate.ToleranceReached && piece.IsWithinTolerance;
     this->Certificate.UndecidedCells += piece.Failed;
   }
-  if (axes == 2)
+  for (std::size_t c = 0; c < this->Curves.size(); ++c)
   {
-    for (const Curve& curve : this->Curves)
+    const Curve& curve = this->Curves[c];
+    if (this->CurveOf[c] == static_cast<Index>(c))
     {
+      this->Certificate.LargestError =
+        std::max(this->Certificate.LargestError, curve.Measured.Distance);
+      this->Certificate.LargestAttributeError =
+        std::max(this->Certificate.LargestAttributeError, curve.Measured.Attribute);
+      this->Certificate.ToleranceReached = this->Certificate.ToleranceReached && !curve.HasFailed &&
+        curve.Measured.Distance <= this->Options.Tolerance && curve.Measured.Attribute <= 1.0;
       Index from = curve.From;
-      for (Index i = 0; i <= curve.Count; ++i)
+      for (Index i = 0; i <= curve.Count && axes == 2; ++i)
       {
         const Index to = i < curve.Count ? curve.First + i : curve.To;
         indices.insert(indices.end(), { from, to });
@@ -57,7 +64,7 @@ void ZeroSet::Worker::Assemble()
       }
     }
   }
-  else if (axes == 1)
+  if (axes == 1)
   {
     for (Index v = 0; v < static_cast<Index>(this->Vertices.size()); ++v)
     {
@@ -190,8 +197,10 @@ void ZeroSet::Worker::Assemble()
       this->Mesh.Elements(d, c) = static_cast<int>(span);
     }
   }
-  this->Certificate.LargestResidual =
-    this->LargestValue > 0.0 ? this->LargestAtVertices / this->LargestValue : 0.0;
+  if (this->LargestValue > 0.0 && all.Residuals.size() > 0)
+  {
+    this->Certificate.LargestResidual = all.Residuals.maxCoeff() / this->LargestValue;
+  }
   this->MendNormals();
 }
 

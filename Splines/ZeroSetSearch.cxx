@@ -425,7 +425,7 @@ bool ZeroSet::Worker::Refine()
   {
     const Leaf& leaf = this->Leaves[i];
     const Facets& piece = this->Pieces[i];
-    if (leaf.At.Size == 1 || (piece.IsWithinTolerance && piece.Failed == 0) ||
+    if (leaf.At.Size == 1 || piece.IsWithinTolerance ||
       this->Width(leaf.At) <= this->Options.Tolerance)
     {
       kept.push_back(leaf);

@@ -77,6 +77,7 @@ private:
   struct Samples
   {
     Eigen::Matrix3Xd Parameters, Points, Normals;
+    Eigen::RowVectorXd Residuals; ///< |f|
     std::vector<Eigen::MatrixXd> Attributes;
 
     [[nodiscard]] Index Count() const { return this->Parameters.cols(); }
@@ -97,6 +98,12 @@ private:
     void Add(Index to, double weight, const Samples& samples, Index from);
   };
 
+  struct Error
+  {
+    double Distance = 0.0;
+    double Attribute = 0.0; ///< by its tolerance
+  };
+
   /// A piece of the surface's curve in a face of boxes, from vertex to vertex of its edges, with
   /// positive f on its left, seen from the end of the axis that is normal to the face.
   struct Curve
@@ -107,6 +114,7 @@ private:
     int Normal;             ///< the axis
     bool IsOnCrease;        ///< the face is one of the domain or a crease
     bool HasFailed = false; ///< it could not be followed from end to end
+    Error Measured{};       ///< of its chords
     bool IsShared = false;  ///< the face is a side beyond which the model goes on
   };
 
@@ -190,12 +198,11 @@ private:
   void Snap();
   bool FindCurves();
   void Bend(Index begin, Index end, Samples& found);
-  /// The error of the chords of curves, by their tolerance: of curve k the `counts[k]` samples
-  /// from `firsts[k]` on; `places` are where on each chord it is measured.
+  /// Sets Curve::Measured, and in `errors` what it is of what is aimed at: of curve k the
+  /// `counts[k]` samples from `firsts[k]` on; `places` are where on each chord it is measured.
   void MeasureCurves(Index begin, const std::vector<std::size_t>& which,
     const std::vector<Index>& firsts, const std::vector<Index>& counts, const Samples& samples,
-    const std::vector<int>& axisOf, const std::vector<double>& places,
-    std::vector<double>& errors) const;
+    const std::vector<int>& axisOf, const std::vector<double>& places, std::vector<double>& errors);
   /// Moves points along one axis each onto f = 0; `projected`: where that worked.
   void Project(
     Eigen::Matrix3Xd& parameters, const std::vector<int>& axes, std::vector<char>& projected) const;
@@ -233,10 +240,6 @@ private:
     const Eigen::Vector3d& width, const std::vector<Index>& loop, Scratch& scratch,
     Facets& facets) const;
   void FillPolygon(const std::vector<Index>& loop, Facets& facets) const;
-  struct Error
-  {
-    double Distance, Attribute;
-  };
   /// \param boundary the first points of the triangulation are those of the loop
   /// \param missing triangles that miss a tolerance, and by which factor
   /// \returns the largest error by its tolerance
@@ -281,7 +284,6 @@ private:
   std::vector<Node> NodeAt;
   std::vector<double> NodeValues;
   double LargestValue = 0.0;
-  double LargestAtVertices = 0.0;
   struct Vertex
   {
     Node At;
