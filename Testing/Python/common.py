@@ -76,6 +76,20 @@ def area(corners):
     return 0.5 * numpy.linalg.norm(numpy.cross(b - a, c - a), axis=1).sum()
 
 
+def outline(corners):
+    """The length of all edges that belong to one triangle only, whatever points are shared."""
+    size = abs(corners).max()
+    _, ids = numpy.unique(numpy.round(corners.reshape(-1, 3) / size, 9) + 0.0, axis=0,
+                          return_inverse=True)
+    ids = ids.reshape(-1, 3)
+    edges = numpy.concatenate([ids[:, [i, (i + 1) % 3]] for i in range(3)])
+    ends = numpy.concatenate([corners[:, [i, (i + 1) % 3]] for i in range(3)])
+    _, first, count = numpy.unique(numpy.sort(edges, axis=1), axis=0, return_index=True,
+                                   return_counts=True)
+    single = ends[first[count == 1]]
+    return numpy.linalg.norm(single[:, 1] - single[:, 0], axis=1).sum()
+
+
 def differ_as_surfaces(one, other):
     """How much the areas and bounds of two triangulations differ, relatively."""
     area_of_one = area(one)
