@@ -2,7 +2,7 @@
 #include "JacobianPieces.h"
 
 #include "Aggregate.h"
-#include "ScalarField.h"
+#include "JacobianField.h"
 #include "vtkNURBSJacobianBoundary.h"
 
 #include "vtkCellData.h"

@@ -4,7 +4,7 @@
 #include "Aggregate.h"
 #include "Error.h"
 #include "NURBSMeshOutput.h"
-#include "ScalarField.h"
+#include "QuadricField.h"
 
 #include "vtkDataObject.h"
 #include "vtkInformation.h"

@@ -3,6 +3,7 @@
 
 #include "Error.h"
 #include "Evaluator.h"
+#include "JacobianField.h"
 #include "JacobianPieces.h"
 #include "JacobianSign.h"
 #include "JacobianTetrahedra.h"
@@ -10,7 +11,6 @@
 #include "KnotPlanes.h"
 #include "NURBSMeshOutput.h"
 #include "Operators.h"
-#include "ScalarField.h"
 #include "Tessellation.h"
 
 #include "vtkDataArray.h"

@@ -5,7 +5,8 @@
 #include "Error.h"
 #include "Measures.h"
 #include "NURBSMeshOutput.h"
-#include "ScalarField.h"
+#include "QuadricField.h"
+#include "SampledField.h"
 
 #include "vtkAbstractTransform.h"
 #include "vtkCylinder.h"

@@ -3,8 +3,8 @@
 
 #include "Bernstein.h"
 #include "Error.h"
+#include "JacobianField.h"
 #include "JacobianSign.h"
-#include "ScalarField.h"
 
 #include <Eigen/Geometry>
 

@@ -3,7 +3,7 @@
 
 #include "Evaluator.h"
 #include "JacobianComplexWorker.h"
-#include "ScalarField.h"
+#include "JacobianField.h"
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,8 @@
 
 #include "Bernstein.h"
 #include "Error.h"
+#include "JacobianField.h"
 #include "Operators.h"
-#include "ScalarField.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,14 +4,10 @@
 
 #include "Bernstein.h"
 #include "BoxSpline.h"
-#include "Prepared.h"
-
-#include <Eigen/Dense>
+#include "ControlBounds.h"
 
 #include <array>
 #include <cstddef>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -63,103 +59,6 @@ public:
   /// Moves points of the zero set, right up to round-off, onto the surface where that is known in
   /// physical space. \param points 3 x count
   virtual void Snap(std::size_t count, double* points) const;
-};
-
-/// A function of degree two of the components x of a spline: y' A y + b . y + c with y = x -
-/// Origin. The origin should be near the spline: far from it the terms lose the digits that count.
-struct Quadric
-{
-  Eigen::MatrixXd A; ///< m x m, symmetric; empty where the function is linear (a plane)
-  Eigen::VectorXd b; ///< m
-  double c = 0.0;
-  Eigen::VectorXd Origin; ///< m, or empty for 0
-
-  [[nodiscard]] bool IsLinear() const { return this->A.size() == 0; }
-  /// \param x m numbers
-  [[nodiscard]] double Value(const double* x) const;
-  /// Sum of the magnitudes of the terms of Value(): what its rounding error is relative to.
-  [[nodiscard]] double Terms(const double* x) const;
-  /// \param gradient m numbers
-  void Gradient(const double* x, double* gradient) const;
-};
-
-/// f = q(S) for a spline S, the geometry or an attribute (times W or W^2 where rational): slices by
-/// planes, spheres, cylinders and other quadrics; isosurfaces of components and magnitudes.
-class QuadricField : public ScalarField
-{
-public:
-  /// \param isPhysical whether the spline is the geometry, so that Snap() may move points: onto a
-  /// plane to round-off, onto another quadric by one step of Newton's
-  /// \throws Error if the sizes of the quadric do not fit
-  QuadricField(std::shared_ptr<const PreparedSpline> spline, Quadric quadric, bool isPhysical);
-  QuadricField(const Spline& spline, Quadric quadric, bool isPhysical);
-
-  void Evaluate(std::size_t count, const double* parameters, double* values) const override;
-  void EvaluateWithGradient(
-    std::size_t count, const double* parameters, double* values, double* gradients) const override;
-  [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
-  [[nodiscard]] std::array<std::vector<double>, 3> Creases() const override;
-  [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
-  bool Restrict(const ParameterBox& box, BoxSpline& f) const override;
-  [[nodiscard]] bool Excludes(const ParameterBox& box) const override;
-  void Snap(std::size_t count, double* points) const override;
-
-private:
-  std::shared_ptr<const PreparedSpline> S;
-  Quadric Q;
-  bool Physical;
-};
-
-/// The quadric whose zeros are where one component of an attribute has a value.
-/// \throws Error if there is no such component
-[[nodiscard]] Quadric ComponentEquals(const Spline& attribute, int component, double value);
-
-/// The quadric whose zeros are where the magnitude of an attribute has a value; a negative one is
-/// nowhere.
-[[nodiscard]] Quadric MagnitudeEquals(const Spline& attribute, double value);
-
-/// f = det J of a volume (times W^4 in its Bernstein form where rational).
-class JacobianField : public ScalarField
-{
-public:
-  /// \throws Error if the geometry is not a volume of three coordinates
-  explicit JacobianField(std::shared_ptr<const PreparedSpline> geometry);
-  explicit JacobianField(const Spline& geometry);
-
-  void Evaluate(std::size_t count, const double* parameters, double* values) const override;
-  void EvaluateWithGradient(
-    std::size_t count, const double* parameters, double* values, double* gradients) const override;
-  [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
-  [[nodiscard]] std::array<std::vector<double>, 3> Creases() const override;
-  [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
-  [[nodiscard]] bool Excludes(const ParameterBox& box) const override;
-
-private:
-  std::shared_ptr<const PreparedSpline> S;
-};
-
-/// f = g(P) for a function g on physical space that can only be sampled.
-class SampledField : public ScalarField
-{
-public:
-  /// \param function (count, points 3 x count, values, gradients 3 x count or nullptr)
-  using Function =
-    std::function<void(std::size_t count, const double* points, double* values, double* gradients)>;
-
-  SampledField(std::shared_ptr<const PreparedSpline> geometry, Function function);
-  SampledField(const Spline& geometry, Function function);
-
-  void Evaluate(std::size_t count, const double* parameters, double* values) const override;
-  void EvaluateWithGradient(
-    std::size_t count, const double* parameters, double* values, double* gradients) const override;
-  [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
-  [[nodiscard]] std::array<std::vector<double>, 3> Creases() const override;
-  [[nodiscard]] bool HasBounds() const override { return false; }
-  [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
-
-private:
-  std::shared_ptr<const PreparedSpline> S;
-  Function G;
 };
 
 }

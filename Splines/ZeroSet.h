@@ -4,6 +4,7 @@
 
 #include "Aggregate.h"
 #include "Parallel.h"
+#include "Prepared.h"
 #include "ScalarField.h"
 
 #include <Eigen/Core>

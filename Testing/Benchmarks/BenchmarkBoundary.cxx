@@ -4,10 +4,10 @@
 // sheet of a real file.
 
 #include "Formats.h"
+#include "JacobianField.h"
 #include "JacobianSign.h"
 #include "JacobianTetrahedra.h"
 #include "JacobianTree.h"
-#include "ScalarField.h"
 #include "ZeroSet.h"
 
 #include <benchmark/benchmark.h>

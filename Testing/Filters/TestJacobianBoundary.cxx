@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "JacobianField.h"
 #include "Models.h"
 #include "NURBSConversion.h"
 #include "Operators.h"
-#include "ScalarField.h"
 #include "vtkNURBSJacobianBoundary.h"
 
 #include "vtkCallbackCommand.h"

@@ -4,9 +4,9 @@
 #include "Error.h"
 #include "Evaluator.h"
 #include "JacobianComplexWorker.h"
+#include "JacobianField.h"
 #include "JacobianTetrahedra.h"
 #include "Operators.h"
-#include "ScalarField.h"
 #include "Splines/Models.h"
 
 #include <gtest/gtest.h>

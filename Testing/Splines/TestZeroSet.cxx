@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Error.h"
+#include "JacobianField.h"
+#include "QuadricField.h"
+#include "SampledField.h"
 #include "Splines/Models.h"
 #include "ZeroSet.h"
 

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "JacobianField.h"
+
+#include "Error.h"
+#include "JacobianSign.h"
+#include "ScalarFieldWorker.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hyperpatch
+{
+
+using field::BezierBox;
+using field::BreaksOf;
+using field::Chunk;
+using field::KnotsNoSmootherThan;
+using field::OnBezierBox;
+using field::Operations;
+using field::UnitRoundoff;
+
+namespace
+{
+
+/// The determinant, or 0 where it is no more than the rounding error of its columns.
+double DeterminantOrZero(const Eigen::Matrix3d& J, double operations)
+{
+  const double value = J.determinant();
+  const double noise =
+    UnitRoundoff * operations * J.col(0).norm() * J.col(1).norm() * J.col(2).norm();
+  return std::abs(value) <= noise ? 0.0 : value;
+}
+
+}
+
+JacobianField::JacobianField(std::shared_ptr<const PreparedSpline> geometry)
+  : S(std::move(geometry))
+{
+  if (this->S->Spline().Components() != 3 || this->S->Spline().Dimension() != 3)
+  {
+    throw hyperpatch::Error("the Jacobian determinant needs a volume with three coordinates");
+  }
+}
+
+JacobianField::JacobianField(const Spline& geometry)
+  : JacobianField(std::make_shared<const PreparedSpline>(geometry))
+{
+}
+
+void JacobianField::Evaluate(std::size_t count, const double* parameters, double* values) const
+{
+  const double operations = Operations(this->S->Spline());
+  std::vector<double> points(3 * std::min(count, Chunk));
+  std::vector<double> derivatives(9 * std::min(count, Chunk));
+  for (std::size_t first = 0; first < count; first += Chunk)
+  {
+    const std::size_t n = std::min(Chunk, count - first);
+    this->S->Evaluator().EvaluateWithDerivatives(
+      n, parameters + 3 * first, points.data(), derivatives.data());
+    for (std::size_t i = 0; i < n; ++i)
+    {
+      values[first + i] = DeterminantOrZero(
+        Eigen::Map<const Eigen::Matrix3d>(derivatives.data() + 9 * i), operations);
+    }
+  }
+}
+
+void JacobianField::EvaluateWithGradient(
+  std::size_t count, const double* parameters, double* values, double* gradients) const
+{
+  const double operations = Operations(this->S->Spline());
+  std::vector<double> points(3 * std::min(count, Chunk));
+  std::vector<double> derivatives(9 * std::min(count, Chunk));
+  std::vector<double> seconds(18 * std::min(count, Chunk));
+  // Where the second derivative by directions a and b stands in the evaluator's output.
+  static constexpr int Place[3][3] = { { 0, 1, 2 }, { 1, 3, 4 }, { 2, 4, 5 } };
+  for (std::size_t first = 0; first < count; first += Chunk)
+  {
+    const std::size_t n = std::min(Chunk, count - first);
+    this->S->Evaluator().EvaluateWithSecondDerivatives(
+      n, parameters + 3 * first, points.data(), derivatives.data(), seconds.data());
+    for (std::size_t i = 0; i < n; ++i)
+    {
+      const Eigen::Map<const Eigen::Matrix3d> J(derivatives.data() + 9 * i);
+      const Eigen::Map<const Eigen::Matrix<double, 3, 6>> H(seconds.data() + 18 * i);
+      values[first + i] = DeterminantOrZero(J, operations);
+      for (int d = 0; d < 3; ++d)
+      {
+        double sum = 0.0;
+        for (int column = 0; column < 3; ++column)
+        {
+          Eigen::Matrix3d replaced = J;
+          replaced.col(column) = H.col(Place[column][d]);
+          sum += replaced.determinant();
+        }
+        gradients[3 * (first + i) + static_cast<std::size_t>(d)] = sum;
+      }
+    }
+  }
+}
+
+std::array<std::vector<double>, 3> JacobianField::Breaks() const
+{
+  return BreaksOf(this->S->Spline());
+}
+
+std::array<std::vector<double>, 3> JacobianField::Creases() const
+{
+  return KnotsNoSmootherThan(this->S->Spline(), 1);
+}
+
+bool JacobianField::Excludes(const ParameterBox& box) const
+{
+  return JacobianSign(this->S->Spline(), box) != 0;
+}
+
+std::optional<Bernstein> JacobianField::OnBox(const ParameterBox& box) const
+{
+  const BezierBox bezier = OnBezierBox(this->S->Spline(), box);
+  return JacobianDeterminant(
+    bezier.Points, this->S->Spline().Degrees(), this->S->Spline().IsRational(), bezier.Error);
+}
+
+}

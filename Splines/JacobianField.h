@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef hyperpatch_JacobianField_h
+#define hyperpatch_JacobianField_h
+
+#include "Prepared.h"
+#include "ScalarField.h"
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace hyperpatch
+{
+
+/// f = det J of a volume (times W^4 in its Bernstein form where rational).
+class JacobianField : public ScalarField
+{
+public:
+  /// \throws Error if the geometry is not a volume of three coordinates
+  explicit JacobianField(std::shared_ptr<const PreparedSpline> geometry);
+  explicit JacobianField(const Spline& geometry);
+
+  void Evaluate(std::size_t count, const double* parameters, double* values) const override;
+  void EvaluateWithGradient(
+    std::size_t count, const double* parameters, double* values, double* gradients) const override;
+  [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
+  [[nodiscard]] std::array<std::vector<double>, 3> Creases() const override;
+  [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
+  [[nodiscard]] bool Excludes(const ParameterBox& box) const override;
+
+private:
+  std::shared_ptr<const PreparedSpline> S;
+};
+
+}
+
+#endif

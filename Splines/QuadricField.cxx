@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "QuadricField.h"
+
+#include "Error.h"
+#include "ScalarFieldWorker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace hyperpatch
+{
+
+using field::BezierBox;
+using field::BreaksOf;
+using field::Chunk;
+using field::ForControlWindow;
+using field::KnotsNoSmootherThan;
+using field::OnBezierBox;
+using field::Operations;
+using field::SpansAround;
+using field::UnitRoundoff;
+
+namespace
+{
+
+/// The value, or 0 where it is no more than the rounding error of a point of that many operations.
+double ValueOrZero(const Quadric& q, const double* x, double operations)
+{
+  const double value = q.Value(x);
+  return std::abs(value) <= UnitRoundoff * operations * q.Terms(x) ? 0.0 : value;
+}
+
+}
+
+double Quadric::Value(const double* x) const
+{
+  const Eigen::Index m = this->b.size();
+  const auto y = [this, x](Eigen::Index i)
+  { return this->Origin.size() > 0 ? x[i] - this->Origin[i] : x[i]; };
+  double sum = this->c;
+  for (Eigen::Index i = 0; i < m; ++i)
+  {
+    double factor = this->b[i];
+    for (Eigen::Index j = 0; j < m && !this->IsLinear(); ++j)
+    {
+      factor += this->A(i, j) * y(j);
+    }
+    sum += factor * y(i);
+  }
+  return sum;
+}
+
+double Quadric::Terms(const double* x) const
+{
+  const Eigen::Index m = this->b.size();
+  const bool shifted = this->Origin.size() > 0;
+  double sum = std::abs(this->c);
+  for (Eigen::Index i = 0; i < m; ++i)
+  {
+    double slope = std::abs(this->b[i]);
+    for (Eigen::Index j = 0; j < m && !this->IsLinear(); ++j)
+    {
+      slope += 2.0 * std::abs(this->A(i, j) * (shifted ? x[j] - this->Origin[j] : x[j]));
+    }
+    // A difference from the origin is as uncertain as what it is the difference of.
+    sum += slope * (shifted ? std::abs(x[i]) + std::abs(this->Origin[i]) : std::abs(x[i]));
+  }
+  return sum;
+}
+
+void Quadric::Gradient(const double* x, double* gradient) const
+{
+  const Eigen::Index m = this->b.size();
+  for (Eigen::Index i = 0; i < m; ++i)
+  {
+    gradient[i] = this->b[i];
+    for (Eigen::Index j = 0; j < m && !this->IsLinear(); ++j)
+    {
+      const double y = this->Origin.size() > 0 ? x[j] - this->Origin[j] : x[j];
+      gradient[i] += 2.0 * this->A(i, j) * y;
+    }
+  }
+}
+
+Quadric ComponentEquals(const Spline& attribute, int component, double value)
+{
+  if (component < 0 || component >= attribute.Components())
+  {
+    throw hyperpatch::Error("component " + std::to_string(component) +
+      " is not one of the attribute's " + std::to_string(attribute.Components()));
+  }
+  return { Eigen::MatrixXd(), Eigen::VectorXd::Unit(attribute.Components(), component), -value,
+    Eigen::VectorXd() };
+}
+
+Quadric MagnitudeEquals(const Spline& attribute, double value)
+{
+  const Eigen::Index m = attribute.Components();
+  return { Eigen::MatrixXd::Identity(m, m), Eigen::VectorXd::Zero(m),
+    value < 0.0 ? 1.0 : -value * value, Eigen::VectorXd() };
+}
+
+QuadricField::QuadricField(
+  std::shared_ptr<const PreparedSpline> spline, Quadric quadric, bool isPhysical)
+  : S(std::move(spline))
+  , Q(std::move(quadric))
+  , Physical(isPhysical)
+{
+  const Eigen::Index m = this->S->Spline().Components();
+  if (this->Q.b.size() != m || (this->Q.Origin.size() != 0 && this->Q.Origin.size() != m) ||
+    (!this->Q.IsLinear() && (this->Q.A.rows() != m || this->Q.A.cols() != m)))
+  {
+    throw hyperpatch::Error("the quadric is not one of " + std::to_string(m) + " components");
+  }
+}
+
+QuadricField::QuadricField(const Spline& spline, Quadric quadric, bool isPhysical)
+  : QuadricField(std::make_shared<const PreparedSpline>(spline), std::move(quadric), isPhysical)
+{
+}
+
+void QuadricField::Evaluate(std::size_t count, const double* parameters, double* values) const
+{
+  const double operations = Operations(this->S->Spline());
+  const auto m = static_cast<std::size_t>(this->S->Spline().Components());
+  std::vector<double> points(m * std::min(count, Chunk));
+  for (std::size_t first = 0; first < count; first += Chunk)
+  {
+    const std::size_t n = std::min(Chunk, count - first);
+    this->S->Evaluator().Evaluate(n, parameters + 3 * first, points.data());
+    for (std::size_t i = 0; i < n; ++i)
+    {
+      values[first + i] = ValueOrZero(this->Q, points.data() + m * i, operations);
+    }
+  }
+}
+
+void QuadricField::EvaluateWithGradient(
+  std::size_t count, const double* parameters, double* values, double* gradients) const
+{
+  const double operations = Operations(this->S->Spline());
+  const auto m = static_cast<std::size_t>(this->S->Spline().Components());
+  std::vector<double> points(m * std::min(count, Chunk));
+  std::vector<double> derivatives(3 * points.size());
+  std::vector<double> g(m);
+  for (std::size_t first = 0; first < count; first += Chunk)
+  {
+    const std::size_t n = std::min(Chunk, count - first);
+    this->S->Evaluator().EvaluateWithDerivatives(
+      n, parameters + 3 * first, points.data(), derivatives.data());
+    for (std::size_t i = 0; i < n; ++i)
+    {
+      const double* x = points.data() + m * i;
+      values[first + i] = ValueOrZero(this->Q, x, operations);
+      this->Q.Gradient(x, g.data());
+      for (std::size_t d = 0; d < 3; ++d)
+      {
+        double sum = 0.0;
+        for (std::size_t c = 0; c < m; ++c)
+        {
+          sum += g[c] * derivatives[3 * m * i + m * d + c];
+        }
+        gradients[3 * (first + i) + d] = sum;
+      }
+    }
+  }
+}
+
+std::array<std::vector<double>, 3> QuadricField::Breaks() const
+{
+  return BreaksOf(this->S->Spline());
+}
+
+std::array<std::vector<double>, 3> QuadricField::Creases() const
+{
+  return KnotsNoSmootherThan(this->S->Spline(), 0);
+}
+
+std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
+{
+  const Spline& spline = this->S->Spline();
+  const BezierBox bezier = OnBezierBox(spline, box);
+  const Eigen::MatrixXd& points = bezier.Points;
+  const auto degrees = spline.Degrees();
+  const bool rational = spline.IsRational();
+  const int m = spline.Components();
+  // Around the middle of the control points, so that far-away models do not lose digits.
+  const Eigen::VectorXd centre = points.topRows(m).rowwise().sum() /
+    (rational ? points.row(m).sum() : static_cast<double>(points.cols()));
+  Eigen::VectorXd slope(m);
+  this->Q.Gradient(centre.data(), slope.data());
+  const double value = this->Q.Value(centre.data());
+
+  // The linear part, b . (X - c W) + q(c) W. Each coefficient is a short sum, right to a few ulp of
+  // its terms besides what the points bring along. Decisions here and at corners must not
+  // contradict each other, so the bound is no less than what Evaluate() takes for 0.
+  const double largestWeight = rational ? points.row(m).maxCoeff() : 1.0;
+  double terms = this->Q.Terms(centre.data());
+  Eigen::VectorXd point(m);
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+  {
+    point = points.col(i).head(m) / (rational ? points(m, i) : 1.0);
+    terms = std::max(terms, this->Q.Terms(point.data()));
+  }
+  double shift = std::abs(value);
+  for (int c = 0; c < m; ++c)
+  {
+    shift += std::abs(slope[c]) *
+      (points.row(c).cwiseAbs().maxCoeff() + std::abs(centre[c]) * largestWeight);
+  }
+  const double noise = UnitRoundoff * (Operations(spline) + 4 * (m + 2)) * terms * largestWeight;
+  const double error = bezier.Error *
+      (slope.cwiseAbs().sum() + slope.cwiseAbs().dot(centre.cwiseAbs()) + std::abs(value)) +
+    UnitRoundoff * 4 * (m + 2) * shift + noise;
+  Eigen::VectorXd coefficients = points.topRows(m).transpose() * slope;
+  const double constant = value - slope.dot(centre);
+  if (rational)
+  {
+    coefficients += constant * points.row(m).transpose();
+  }
+  else
+  {
+    coefficients.array() += constant;
+  }
+  const Bernstein linear(degrees, std::move(coefficients), error);
+  if (this->Q.IsLinear())
+  {
+    return linear;
+  }
+
+  const Bernstein weight = rational ? Bernstein(degrees, points.row(m).transpose(), bezier.Error)
+                                    : Bernstein(degrees, Eigen::VectorXd::Ones(points.cols()));
+  std::vector<Bernstein> x;
+  for (int c = 0; c < m; ++c)
+  {
+    x.push_back(Bernstein(degrees, points.row(c).transpose(), bezier.Error) - centre[c] * weight);
+  }
+  Bernstein sum = linear * weight;
+  for (int r = 0; r < m; ++r)
+  {
+    for (int c = 0; c <= r; ++c)
+    {
+      const double a = r == c ? this->Q.A(r, r) : this->Q.A(r, c) + this->Q.A(c, r);
+      if (a != 0.0)
+      {
+        sum = sum + a * (x[static_cast<std::size_t>(r)] * x[static_cast<std::size_t>(c)]);
+      }
+    }
+  }
+  return Bernstein(sum.Degrees(), sum.Coefficients(), sum.RoundingBound() + noise * largestWeight);
+}
+
+bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
+{
+  if (!this->Q.IsLinear())
+  {
+    return ScalarField::Restrict(box, f);
+  }
+  // Larger ones take longer than what they save.
+  constexpr double LargestWindow = 2000.0;
+  const Spline& spline = this->S->Spline();
+  if (BoxSpline::WindowVolume(spline, box) > LargestWindow)
+  {
+    return false;
+  }
+  const int m = spline.Components();
+  double terms = 0.0;
+  double largestWeight = 1.0;
+  const bool rational = spline.IsRational();
+  const double* points = spline.Coefficients().data();
+  const auto coefficient = [&](Eigen::Index i)
+  {
+    const double* x = points + m * i;
+    const double weight = rational ? spline.Weights()[i] : 1.0;
+    terms = std::max(terms, this->Q.Terms(x));
+    largestWeight = std::max(largestWeight, weight);
+    return weight * this->Q.Value(x);
+  };
+  f.Restrict(spline, box, coefficient);
+  f.AddNoise(UnitRoundoff * (Operations(spline) + 4 * (m + 2)) * terms * largestWeight);
+  return true;
+}
+
+bool QuadricField::Excludes(const ParameterBox& box) const
+{
+  const int m = this->S->Spline().Components();
+  std::array<double, 3 * 16> fixed;
+  std::vector<double> grown;
+  double* bounds = fixed.data();
+  if (m > 16)
+  {
+    grown.resize(3 * static_cast<std::size_t>(m));
+    bounds = grown.data();
+  }
+  Eigen::Map<Eigen::VectorXd> centre(bounds, m);
+  Eigen::Map<Eigen::VectorXd> half(bounds + m, m);
+  Eigen::Map<Eigen::VectorXd> slope(bounds + 2 * m, m);
+  this->S->Bounds().Find(box, centre.data(), half.data());
+  for (int i = 0; i < m; ++i)
+  {
+    const double low = centre[i];
+    const double high = half[i];
+    centre[i] = 0.5 * (low + high);
+    half[i] = 0.5 * (high - low);
+  }
+  const double value = this->Q.Value(centre.data());
+  this->Q.Gradient(centre.data(), slope.data());
+  double reach = 0.0;
+  for (int i = 0; i < m; ++i)
+  {
+    reach += std::abs(slope[i]) * half[i];
+    for (int j = 0; j < m && !this->Q.IsLinear(); ++j)
+    {
+      reach += std::abs(this->Q.A(i, j)) * half[i] * half[j];
+    }
+  }
+  // The sums are short, right to a few ulp of their terms, and Evaluate() takes a little more for
+  // 0.
+  const double error = UnitRoundoff * (Operations(this->S->Spline()) + 4 * (m + 2)) * 2.0 *
+    (this->Q.Terms(centre.data()) + reach);
+  if (std::abs(value) > reach + error)
+  {
+    return true;
+  }
+  // On one element the hull of a linear function is tighter than that of the bounding box.
+  const Spline& spline = this->S->Spline();
+  const std::array<int, 3> spans = SpansAround(spline, box);
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const KnotVector& knots = spline.Knots()[d];
+    if (!this->Q.IsLinear() || box.Low[d] < knots[spans[d]] || box.High[d] > knots[spans[d] + 1])
+    {
+      return false;
+    }
+  }
+  double least = INFINITY;
+  double most = -INFINITY;
+  ForControlWindow(spline, spans,
+    [this, &spline, &least, &most](Eigen::Index i)
+    {
+      const double f = this->Q.Value(spline.Coefficients().col(i).data());
+      least = std::min(least, f);
+      most = std::max(most, f);
+    });
+  return least > error || most < -error;
+}
+
+void QuadricField::Snap(std::size_t count, double* points) const
+{
+  const auto m = static_cast<std::size_t>(this->S->Spline().Components());
+  if (!this->Physical)
+  {
+    return;
+  }
+  std::vector<double> gradient(m);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    double* x = points + 3 * i;
+    this->Q.Gradient(x, gradient.data());
+    double square = 0.0;
+    for (const double g : gradient)
+    {
+      square += g * g;
+    }
+    const double step = square > 0.0 ? this->Q.Value(x) / square : 0.0;
+    for (std::size_t c = 0; c < m; ++c)
+    {
+      x[c] -= step * gradient[c];
+    }
+  }
+}
+
+}
