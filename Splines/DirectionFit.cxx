@@ -93,11 +93,7 @@ DirectionFit::DirectionFit(const KnotVector& knots, const std::vector<double>& s
   , X(sites)
 {
   CheckSites(knots, sites);
-  for (const double site : sites)
-  {
-    const BasisRow row(knots, site);
-    this->Basis.push_back(this->Append(row.Values, row.Values + knots.Degree() + 1, row.First));
-  }
+  this->Basis = SparseRows::Collocation(knots, sites);
 }
 
 DirectionFit DirectionFit::Interpolation(const KnotVector& knots, const std::vector<double>& sites)
@@ -174,7 +170,7 @@ DirectionFit DirectionFit::LeastSquares(
   for (int j = 0; j < n; ++j)
   {
     const std::vector<double>& column = columns[Index(j)];
-    fit.Sums.push_back(fit.Append(column.data(), column.data() + column.size(), first[Index(j)]));
+    fit.Sums.Append(column.data(), column.data() + column.size(), first[Index(j)]);
   }
 
   const double mean = (knots.Greville(n - 1) - knots.Greville(0)) / std::max(n - 1, 1);
@@ -201,23 +197,6 @@ DirectionFit DirectionFit::LeastSquares(
   return fit;
 }
 
-DirectionFit::Row DirectionFit::Append(const double* begin, const double* end, int column)
-{
-  // Zeros at both ends are left out: collocation at the knots themselves has many.
-  while (begin != end && *begin == 0.0)
-  {
-    ++begin;
-    ++column;
-  }
-  while (end != begin && end[-1] == 0.0)
-  {
-    --end;
-  }
-  const Row row{ column, static_cast<int>(end - begin), this->Values.size() };
-  this->Values.insert(this->Values.end(), begin, end);
-  return row;
-}
-
 /// LU without pivoting of a band matrix: row i has the columns i - lower .. i + upper.
 void DirectionFit::Factorise(std::vector<double>& band, int lower, int upper)
 {
@@ -229,9 +208,6 @@ void DirectionFit::Factorise(std::vector<double>& band, int lower, int upper)
   {
     largest = std::max(largest, row(i)[i]);
   }
-  this->Lower.clear();
-  this->Upper.clear();
-  this->InverseDiagonal.clear();
   for (int i = 0; i < n; ++i)
   {
     double* const target = row(i);
@@ -258,19 +234,19 @@ void DirectionFit::Factorise(std::vector<double>& band, int lower, int upper)
     }
     this->InverseDiagonal.push_back(1.0 / target[i]);
     const int first = std::max(0, i - lower);
-    this->Lower.push_back(this->Append(target + first, target + i, first));
-    this->Upper.push_back(this->Append(target + i + 1, target + std::min(n, i + upper + 1), i + 1));
+    this->Lower.Append(target + first, target + i, first);
+    this->Upper.Append(target + i + 1, target + std::min(n, i + upper + 1), i + 1);
   }
 }
 
 void DirectionFit::operator()(
   std::ptrdiff_t lines, const double* samples, double* coefficients) const
 {
-  const auto n = static_cast<std::ptrdiff_t>(this->InverseDiagonal.size());
-  const auto subtract = [this, lines, coefficients](
-                          const Row& row, double* __restrict target, double factor)
+  const int n = this->NumberOfControlPoints();
+  const auto subtract = [lines, coefficients](
+                          const SparseRows::Row& row, double* __restrict target, double factor)
   {
-    const double* values = this->Values.data() + row.Begin;
+    const double* values = row.Values;
     const double* source = coefficients + row.First * lines;
     // The usual case, one or two terms and the diagonal, in one sweep over the lines.
     if (row.Count == 1)
@@ -308,42 +284,26 @@ void DirectionFit::operator()(
   }
   else
   {
-    for (std::ptrdiff_t j = 0; j < n; ++j)
+    for (int j = 0; j < n; ++j)
     {
-      this->Combine(this->Sums[Index(j)], lines, samples, coefficients + j * lines);
+      this->Sums.Multiply(j, lines, samples, coefficients + j * lines);
     }
   }
-  for (std::ptrdiff_t i = 0; i < n; ++i)
+  for (int i = 0; i < n; ++i)
   {
-    subtract(this->Lower[Index(i)], coefficients + i * lines, 1.0);
+    subtract(this->Lower[i], coefficients + i * lines, 1.0);
   }
-  for (std::ptrdiff_t i = n - 1; i >= 0; --i)
+  for (int i = n - 1; i >= 0; --i)
   {
-    subtract(this->Upper[Index(i)], coefficients + i * lines, this->InverseDiagonal[Index(i)]);
+    subtract(this->Upper[i], coefficients + i * lines, this->InverseDiagonal[Index(i)]);
   }
 }
 
 void DirectionFit::Evaluate(std::ptrdiff_t lines, const double* coefficients, double* values) const
 {
-  for (std::size_t i = 0; i < this->Basis.size(); ++i)
+  for (int i = 0; i < this->NumberOfSamples(); ++i)
   {
-    this->Combine(
-      this->Basis[i], lines, coefficients, values + static_cast<std::ptrdiff_t>(i) * lines);
-  }
-}
-
-void DirectionFit::Combine(
-  const Row& row, std::ptrdiff_t lines, const double* __restrict source, double* target) const
-{
-  std::fill_n(target, lines, 0.0);
-  source += row.First * lines;
-  for (int i = 0; i < row.Count; ++i, source += lines)
-  {
-    const double a = this->Values[row.Begin + Index(i)];
-    for (std::ptrdiff_t l = 0; l < lines; ++l)
-    {
-      target[l] += a * source[l];
-    }
+    this->Basis.Multiply(i, lines, coefficients, values + i * lines);
   }
 }
 

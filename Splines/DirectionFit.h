@@ -3,6 +3,7 @@
 #define hyperpatch_DirectionFit_h
 
 #include "KnotVector.h"
+#include "SparseRows.h"
 
 #include <cstddef>
 #include <vector>
@@ -44,7 +45,7 @@ public:
   [[nodiscard]] int NumberOfSamples() const { return static_cast<int>(this->X.size()); }
   [[nodiscard]] int NumberOfControlPoints() const { return this->K.Size(); }
   /// True for the interpolating map, whose two arguments may be one.
-  [[nodiscard]] bool IsInterpolation() const { return this->Sums.empty(); }
+  [[nodiscard]] bool IsInterpolation() const { return this->Sums.Size() == 0; }
 
   /// Fits lines that stand side by side.
   /// \param lines their number
@@ -59,27 +60,15 @@ public:
   void Evaluate(std::ptrdiff_t lines, const double* coefficients, double* values) const;
 
 private:
-  /// Consecutive numbers of one row of a sparse matrix: columns First .. First + Count - 1, values
-  /// from Values[Begin].
-  struct Row
-  {
-    int First;
-    int Count;
-    std::size_t Begin;
-  };
   DirectionFit(const KnotVector& knots, const std::vector<double>& sites);
   void Factorise(std::vector<double>& band, int lower, int upper);
-  void Combine(
-    const Row& row, std::ptrdiff_t lines, const double* __restrict source, double* target) const;
-  [[nodiscard]] Row Append(const double* begin, const double* end, int column);
 
   KnotVector K;
   std::vector<double> X;
-  std::vector<Row> Basis;        ///< rows of the collocation matrix
-  std::vector<Row> Sums;         ///< rows of the transposed collocation matrix; none: interpolation
-  std::vector<Row> Lower, Upper; ///< of L (unit diagonal, not stored) and U (diagonal apart)
+  SparseRows Basis;        ///< the collocation matrix
+  SparseRows Sums;         ///< its transpose; none: interpolation
+  SparseRows Lower, Upper; ///< of L (unit diagonal, not stored) and U (diagonal apart)
   std::vector<double> InverseDiagonal;
-  std::vector<double> Values;
 };
 
 }

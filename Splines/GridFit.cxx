@@ -4,6 +4,7 @@
 #include "Error.h"
 #include "Evaluator.h"
 #include "LineBlocksWorker.h"
+#include "SparseRows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -198,32 +199,65 @@ void ForNeighbours(const std::array<int, 3>& sizes, Index sample, Function&& fun
 FitError MeasureError(const Spline& spline, const std::array<std::vector<double>, 3>& sites,
   const SampleReader& read, const ParallelFor& parallelFor)
 {
-  const Evaluator evaluator(spline);
+  const Eigen::MatrixXd homogeneous =
+    spline.IsRational() ? spline.Homogeneous() : Eigen::MatrixXd();
+  const Eigen::MatrixXd& points = spline.IsRational() ? homogeneous : spline.Coefficients();
+  const Index m = points.rows();
+  const Index components = spline.Components();
+  std::array<SparseRows, 3> bases;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    bases[d] = SparseRows::Collocation(spline.Knots()[d], sites[d]);
+  }
+  const Index row = m * spline.Sizes()[0];
+  const Index plane = row * spline.Sizes()[1];
   const auto layer = static_cast<Index>(sites[0].size() * sites[1].size());
   std::vector<FitError> layers(sites[2].size());
-  parallelFor(static_cast<std::ptrdiff_t>(layers.size()), 1,
+  parallelFor(static_cast<std::ptrdiff_t>(layers.size()), 1 + bases[2].Size() / 64,
     [&](std::ptrdiff_t begin, std::ptrdiff_t end)
     {
-      Eigen::MatrixXd values(spline.Components(), layer);
-      Eigen::MatrixXd samples(spline.Components(), layer);
-      for (std::ptrdiff_t k = begin; k < end; ++k)
+      Eigen::VectorXd inPlane(plane);
+      Eigen::VectorXd inRow(row);
+      Eigen::MatrixXd samples(components, layer);
+      for (auto k = static_cast<int>(begin); k < end; ++k)
       {
-        evaluator.EvaluateGrid({ sites[0], sites[1], { sites[2][Unsigned(k)] } }, values.data());
-        read(k * layer, layer, samples.data());
         FitError& error = layers[Unsigned(k)];
-        for (Index i = 0; i < layer; ++i)
+        read(k * layer, layer, samples.data());
+        bases[2].Multiply(k, plane, points.data(), inPlane.data());
+        Index at = 0;
+        for (int j = 0; j < bases[1].Size(); ++j)
         {
-          const double squared = (values.col(i) - samples.col(i)).squaredNorm();
-          if (!std::isfinite(squared))
+          bases[1].Multiply(j, row, inPlane.data(), inRow.data());
+          for (int i = 0; i < bases[0].Size(); ++i, ++at)
           {
-            continue;
-          }
-          error.RootMeanSquare += squared;
-          ++error.Count;
-          if (squared > error.Maximum)
-          {
-            error.Maximum = squared;
-            error.Where = k * layer + i;
+            const SparseRows::Row basis = bases[0][i];
+            const auto value = [&basis, &inRow, m](Index component)
+            {
+              double sum = 0.0;
+              for (int a = 0; a < basis.Count; ++a)
+              {
+                sum += basis.Values[a] * inRow[(basis.First + a) * m + component];
+              }
+              return sum;
+            };
+            const double weight = spline.IsRational() ? value(components) : 1.0;
+            double squared = 0.0;
+            for (Index c = 0; c < components; ++c)
+            {
+              const double distance = value(c) / weight - samples(c, at);
+              squared += distance * distance;
+            }
+            if (!std::isfinite(squared))
+            {
+              continue;
+            }
+            error.RootMeanSquare += squared;
+            ++error.Count;
+            if (squared > error.Maximum)
+            {
+              error.Maximum = squared;
+              error.Where = k * layer + at;
+            }
           }
         }
       }
