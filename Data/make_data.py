@@ -225,6 +225,43 @@ def tube_g2():
     write("quarter_tube.g2", f"700 1 0 0\n3 1\n{bases}\n{numbers(rows)}\n")
 
 
+def tube_itd():
+    """IRIT: orders, and the weight of a point before its coordinates, multiplied by it."""
+    degrees, knots, points, weights = quarter_tube()
+    sizes = " ".join(str(len(k) - p - 1) for p, k in zip(degrees, knots))
+    orders = " ".join(str(p + 1) for p in degrees)
+    rows = [f"[KV {numbers([k])}]" for k in knots]
+    rows += [f"[{numbers([[w] + [w * x for x in point]])}]" for point, w in zip(points, weights)]
+    write("quarter_tube.itd", "[OBJECT TUBE\n[TRIVAR BSPLINE {} {} P3\n{}\n]\n]\n".format(
+        sizes, orders, "\n".join(rows)))
+
+
+def two_blocks():
+    """GeoPDEs: two unit cubes side by side, the second one with its u along y."""
+    line = [0.0, 0.0, 1.0, 1.0]
+    first = [(i, j, k) for k in range(2) for j in range(2) for i in range(2)]
+    second = [(2 - j, i, k) for k in range(2) for j in range(2) for i in range(2)]
+    patches = "".join("PATCH {}\n1 1 1\n2 2 2\n{}\n{}\n".format(
+        number, numbers([line] * 3), numbers(list(zip(*points)) + [[1] * 8]))
+                      for number, points in ((1, first), (2, second)))
+    write("two_blocks.txt", f"""# nurbs mesh v.2.1
+# parameters, coordinates, patches, interfaces, subdomains
+3 3 2 1 1
+{patches}INTERFACE 1
+1 2
+2 4
+1 1 1
+SUBDOMAIN 1
+1 2
+BOUNDARY left
+1
+1 1
+BOUNDARY right
+1
+2 3
+""")
+
+
 def twisted_bar():
     """An MFEM NURBS mesh: a polynomial bar of degrees 1, 1, 2 with a quarter turn."""
     rows = []
@@ -286,4 +323,6 @@ heated_pipe_bend()
 folded_sweep()
 tube_on_block()
 tube_g2()
+tube_itd()
+two_blocks()
 twisted_bar()

@@ -3,9 +3,9 @@
  * @class vtkBSplineReader
  * @brief Reads spline volumes, surfaces and curves with their fields.
  *
- * The format is recognised by the content of the file: G+Smo XML, MFEM NURBS mesh v1.0, GoTools g2,
- * and the .vtpc files that vtkXMLPartitionedDataSetCollectionWriter makes of this reader's output
- * (data mode Binary or Ascii).
+ * The format is recognised by the content of the file: G+Smo XML, MFEM NURBS mesh, GoTools g2, IRIT
+ * itd, GeoPDEs text, and the .vtpc files that vtkXMLPartitionedDataSetCollectionWriter makes of
+ * this reader's output (data mode Binary or Ascii).
  *
  * Output: a vtkPartitionedDataSetCollection, the control lattice described in NURBSConversion.h:
  * dataset `Geometry` with one vtkStructuredGrid per patch (points are control points; point data

@@ -24,6 +24,22 @@ std::string_view SkipBlanks(std::string_view text)
   return text.substr(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
 }
 
+/// The kind that the first bracket of an IRIT file names, after comments.
+bool IsIrit(std::string_view text)
+{
+  while (StartsWith(text, "#"))
+  {
+    text = SkipBlanks(text.substr(std::min(text.find('\n'), text.size())));
+  }
+  if (!StartsWith(text, "["))
+  {
+    return false;
+  }
+  text = SkipBlanks(text.substr(1));
+  const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n["));
+  return word == "OBJECT" || word == "TRIVAR";
+}
+
 /// The text after comments, processing instructions and declarations.
 std::string_view SkipProlog(std::string_view text)
 {
@@ -67,8 +83,14 @@ Format SniffFormat(std::string_view begin)
       ? Format::GismoXml
       : Format::Unknown;
   }
-  return formats::SniffGoToolsHeader(begin.substr(0, begin.find('\n'))) ? Format::GoToolsG2
-                                                                        : Format::Unknown;
+  const std::string_view line = begin.substr(0, begin.find('\n'));
+  if (StartsWith(line, "#") && line.find("nurbs mesh v.") != line.npos)
+  {
+    return Format::GeoPdesText;
+  }
+  return formats::SniffGoToolsHeader(line) ? Format::GoToolsG2
+    : IsIrit(begin)                        ? Format::IritItd
+                                           : Format::Unknown;
 }
 
 FileContents ReadSplineFile(const std::string& fileName)
@@ -89,8 +111,8 @@ FileContents ReadSplineFile(const std::string& fileName)
     throw Error(fileName +
       (text.empty()                      ? ": the file is empty"
           : StartsWith(text, "\x1f\x8b") ? ": the file is compressed: unpack it with gunzip"
-                                         : ": not a G+Smo XML file, an MFEM mesh or a GoTools g2 "
-                                           "file: convert it to one of these"));
+                                         : ": not a G+Smo XML, MFEM mesh, GoTools g2, IRIT itd or "
+                                           "GeoPDEs text file: convert it to one of these"));
   }
   return formats::WithContext([&] { return fileName; },
     [&]
@@ -100,7 +122,9 @@ FileContents ReadSplineFile(const std::string& fileName)
         text.append(std::istreambuf_iterator<char>(file), {});
         return format == Format::GismoXml ? ParseGismoXml(text)
           : format == Format::MfemMesh    ? ParseMfemMesh(text)
-                                          : ParseGoToolsG2(text);
+          : format == Format::GoToolsG2   ? ParseGoToolsG2(text)
+          : format == Format::IritItd     ? ParseIritItd(text)
+                                          : ParseGeoPdesText(text);
       }
       catch (const std::bad_alloc&)
       {

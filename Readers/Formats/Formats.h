@@ -15,9 +15,11 @@ namespace hyperpatch
 enum class Format
 {
   Unknown,
-  GismoXml, ///< G+Smo XML
-  MfemMesh, ///< MFEM NURBS mesh v1.0 (v1.1 and NC-patch are recognised and refused)
-  GoToolsG2 ///< GoTools g2
+  GismoXml,   ///< G+Smo XML
+  MfemMesh,   ///< MFEM NURBS mesh v1.0, v1.1 (NC-patch is recognised and refused)
+  GoToolsG2,  ///< GoTools g2
+  IritItd,    ///< IRIT itd, text
+  GeoPdesText ///< GeoPDEs (NURBS toolbox) text
 };
 
 /// What a file held.
@@ -35,6 +37,8 @@ struct FileContents
 [[nodiscard]] FileContents ParseGismoXml(std::string_view text);
 [[nodiscard]] FileContents ParseMfemMesh(std::string_view text);
 [[nodiscard]] FileContents ParseGoToolsG2(std::string_view text);
+[[nodiscard]] FileContents ParseIritItd(std::string_view text);
+[[nodiscard]] FileContents ParseGeoPdesText(std::string_view text);
 
 /// Sniffs and parses a file.
 /// \throws Error, the message begins with the file name.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "HierarchicalSpline.h"
 #include "Interfaces.h"
 #include "Scanner.h"
 
@@ -32,10 +33,20 @@ struct Kind
 {
   int Dimension = 0;
   bool Rational = false;
+  bool Hierarchical = false;
+  bool Truncated = false;
 };
 
 Kind KindOf(std::string_view type)
 {
+  for (const std::string_view name : { "HBSpline", "THBSpline" })
+  {
+    if (type.size() == name.size() + 1 && type.substr(0, name.size()) == name &&
+      type.back() >= '1' && type.back() <= '3')
+    {
+      return { type.back() - '0', false, true, name[0] == 'T' };
+    }
+  }
   const bool tensor = type.substr(0, 6) == "Tensor";
   std::string_view rest = tensor ? type.substr(6) : type;
   for (const std::string_view name : { "BSpline", "Nurbs" })
@@ -46,7 +57,7 @@ Kind KindOf(std::string_view type)
       const bool isDigit = rest.size() == 1 && rest[0] >= '1' && rest[0] <= '3';
       if (rest.empty() || isDigit)
       {
-        return { isDigit ? rest[0] - '0' : 1, name == "Nurbs" };
+        return { isDigit ? rest[0] - '0' : 1, name == "Nurbs", false, false };
       }
     }
   }
@@ -126,6 +137,9 @@ private:
   };
 
   void ReadGeometry(const Entry& entry, int id);
+  std::array<KnotVector, 3> ReadBasis(
+    const pugi::xml_node& geometry, const pugi::xml_node& basis, int dimension);
+  std::vector<HierarchicalBox> ReadBoxes(const pugi::xml_node& basis, int dimension);
   KnotVector ReadKnots(const pugi::xml_node& basis, int direction);
   void ReadMultiPatch(const pugi::xml_node& node);
   bool AppendInterfaces(const std::vector<long long>& numbers, int dimension);
@@ -179,6 +193,7 @@ private:
   std::unordered_map<long long, std::size_t> PatchOfId;
   std::map<std::string, std::size_t> BoundaryOfName;
   std::size_t OldInterfaces = 0;
+  std::size_t Hierarchical = 0;
 };
 
 FileContents XmlParser::Parse()
@@ -218,12 +233,6 @@ FileContents XmlParser::Parse()
       continue;
     }
     const std::string type = node.attribute("type").value();
-    if (type.find("HBSpline") != type.npos)
-    {
-      this->Fail(node,
-        "a hierarchical spline (" + Printable(type) +
-          ") is not read: export it as TensorBSpline3 patches");
-    }
     const Kind kind = KindOf(type);
     if (kind.Dimension == 0)
     {
@@ -295,6 +304,11 @@ FileContents XmlParser::Parse()
     {
       this->ReadMultiPatch(node);
     }
+  }
+  if (this->Hierarchical > 0)
+  {
+    this->Contents.Warnings.push_back(Counted(this->Hierarchical, "hierarchical spline") +
+      " read as the same tensor-product spline on its finest level.");
   }
   if (this->OldInterfaces > 0)
   {
@@ -382,6 +396,67 @@ KnotVector XmlParser::ReadKnots(const pugi::xml_node& basis, int direction)
     [&] { return KnotVector(degree, std::move(knots)); });
 }
 
+std::array<KnotVector, 3> XmlParser::ReadBasis(
+  const pugi::xml_node& geometry, const pugi::xml_node& basis, int dimension)
+{
+  std::array<KnotVector, 3> knots;
+  int directions = 0;
+  if (basis.child("KnotVector"))
+  {
+    knots[0] = this->ReadKnots(basis, 0);
+    directions = 1;
+  }
+  else
+  {
+    std::array<bool, 3> seen{};
+    for (const pugi::xml_node& child : basis.children("Basis"))
+    {
+      const int index = child.attribute("index").as_int(directions);
+      if (index < 0 || index >= dimension || seen[static_cast<std::size_t>(index)])
+      {
+        this->Fail(child,
+          "its index " + std::to_string(index) + " is repeated or not in 0.." +
+            std::to_string(dimension - 1));
+      }
+      knots[static_cast<std::size_t>(index)] = this->ReadKnots(child, index);
+      seen[static_cast<std::size_t>(index)] = true;
+      ++directions;
+    }
+  }
+  if (directions != dimension)
+  {
+    this->Fail(geometry,
+      "its basis has " + std::to_string(directions) + " knot vectors where " +
+        std::to_string(dimension) + " are needed");
+  }
+  return knots;
+}
+
+std::vector<HierarchicalBox> XmlParser::ReadBoxes(const pugi::xml_node& basis, int dimension)
+{
+  std::vector<HierarchicalBox> boxes;
+  for (const pugi::xml_node& node : basis.children("box"))
+  {
+    const std::vector<long long> numbers = this->Integers(node);
+    const auto d = static_cast<std::size_t>(dimension);
+    if (numbers.size() != 2 * d)
+    {
+      this->Fail(node,
+        "a box is " + std::to_string(2 * d) + " numbers, first and last knots, but there are " +
+          std::to_string(numbers.size()));
+    }
+    HierarchicalBox box{ static_cast<int>(this->Integer(node, "level", "the level", 30)),
+      { 0, 0, 0 }, { 1, 1, 1 } };
+    for (std::size_t i = 0; i < d; ++i)
+    {
+      box.Begin[i] = static_cast<int>(numbers[i]);
+      box.End[i] = static_cast<int>(numbers[d + i]);
+    }
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
 void XmlParser::ReadGeometry(const Entry& entry, int id)
 {
   const pugi::xml_node& geometry = entry.Node;
@@ -410,37 +485,17 @@ void XmlParser::ReadGeometry(const Entry& entry, int id)
       basis = basis.child("Basis");
     }
   }
-
-  std::array<KnotVector, 3> knots;
-  int directions = 0;
-  if (basis.child("KnotVector"))
+  std::vector<HierarchicalBox> boxes;
+  if (entry.Type.Hierarchical)
   {
-    knots[0] = this->ReadKnots(basis, 0);
-    directions = 1;
-  }
-  else
-  {
-    std::array<bool, 3> seen{};
-    for (const pugi::xml_node& child : basis.children("Basis"))
+    boxes = this->ReadBoxes(basis, entry.Type.Dimension);
+    basis = basis.child("Basis");
+    if (!basis)
     {
-      const int index = child.attribute("index").as_int(directions);
-      if (index < 0 || index >= entry.Type.Dimension || seen[static_cast<std::size_t>(index)])
-      {
-        this->Fail(child,
-          "its index " + std::to_string(index) + " is repeated or not in 0.." +
-            std::to_string(entry.Type.Dimension - 1));
-      }
-      knots[static_cast<std::size_t>(index)] = this->ReadKnots(child, index);
-      seen[static_cast<std::size_t>(index)] = true;
-      ++directions;
+      this->Fail(geometry, "its hierarchical basis has no <Basis> of level 0");
     }
   }
-  if (directions != entry.Type.Dimension)
-  {
-    this->Fail(geometry,
-      "its basis has " + std::to_string(directions) + " knot vectors where " +
-        std::to_string(entry.Type.Dimension) + " are needed");
-  }
+  std::array<KnotVector, 3> knots = this->ReadBasis(geometry, basis, entry.Type.Dimension);
 
   const pugi::xml_node coefs = geometry.child("coefs");
   if (!coefs)
@@ -449,6 +504,27 @@ void XmlParser::ReadGeometry(const Entry& entry, int id)
   }
   const std::vector<double> values = this->Numbers(coefs);
   const auto available = static_cast<long long>(values.size());
+  if (entry.Type.Hierarchical)
+  {
+    const long long coordinates = coefs.attribute("geoDim").as_int(3);
+    if (coordinates < 1 || coordinates > 3 || available % coordinates != 0)
+    {
+      this->Fail(coefs,
+        std::to_string(available) + " numbers do not make control points of " +
+          std::to_string(coordinates) + " coordinates: correct the attribute geoDim");
+    }
+    WithContext([&] { return this->Where(geometry); },
+      [&]
+      {
+        AppendPatch(this->Contents, id,
+          FlattenHierarchicalSpline(knots, boxes,
+            Eigen::Map<const Eigen::MatrixXd>(values.data(), coordinates, available / coordinates),
+            entry.Type.Truncated));
+      });
+    this->PatchOfId.emplace(id, this->Contents.Model.Patches.size() - 1);
+    ++this->Hierarchical;
+    return;
+  }
   long long count = 1;
   for (const KnotVector& k : knots)
   {

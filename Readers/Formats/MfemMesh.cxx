@@ -7,8 +7,8 @@
 #include <map>
 #include <optional>
 
-// MFEM NURBS mesh v1.0: patches are the elements of a coarse mesh ("patch topology"). Geometry
-// comes per patch (keyword patches) or as one vector of global control points (keyword
+// MFEM NURBS mesh v1.0 and v1.1: patches are the elements of a coarse mesh ("patch topology").
+// Geometry comes per patch (keyword patches) or as one vector of global control points (keyword
 // knotvectors): the coarse vertices, then the insides of edges, of faces (3D) and of patches.
 
 namespace hyperpatch
@@ -94,6 +94,8 @@ private:
   void ReadTopology();
   void ReadPatches();
   void ReadDofs();
+  /// v1.1 says how refinement places new knots: of no interest here.
+  void SkipSpacing(const std::vector<KnotVector>& knots);
   void ReadNodesHeader(const std::vector<KnotVector>& knots);
   KnotVector ReadKnotVector(const std::string& where);
   void Append(std::size_t patch, std::array<KnotVector, 3> knots, const Eigen::MatrixXd& points,
@@ -173,10 +175,10 @@ void MeshParser::ReadHeader()
   {
     version = this->In.Next("the version");
   }
-  if (version != "v1.0")
+  if (version != "v1.0" && version != "v1.1")
   {
-    this->In.Fail("MFEM NURBS mesh version " + Quote(version) +
-      " (v1.1 adds element spacing) is not read: save it as v1.0");
+    this->In.Fail(
+      "MFEM NURBS mesh version " + Quote(version) + " is not read: save it as v1.0 or v1.1");
   }
 }
 
@@ -340,6 +342,47 @@ void MeshParser::ReadPatches()
   }
 }
 
+void MeshParser::SkipSpacing(const std::vector<KnotVector>& knots)
+{
+  if (this->In.Peek() == "refinements")
+  {
+    this->In.Expect("refinements");
+    for (int d = 0; d < this->Dimension; ++d)
+    {
+      this->In.Integer("a refinement factor", 0, MaxInt);
+    }
+  }
+  if (this->In.Peek() == "knotvector_refinements")
+  {
+    this->In.Expect("knotvector_refinements");
+    for (std::size_t k = 0; k < knots.size(); ++k)
+    {
+      for (std::size_t i = this->In.Count("refinement factors"); i > 0; --i)
+      {
+        this->In.Integer("a refinement factor", 0, MaxInt);
+      }
+    }
+  }
+  if (this->In.Peek() != "spacing")
+  {
+    return;
+  }
+  this->In.Expect("spacing");
+  for (std::size_t n = this->In.Count("spacings", 4); n > 0; --n)
+  {
+    this->In.Integer("a knot vector's index", 0, static_cast<long long>(knots.size()) - 1);
+    this->In.Integer("a type of spacing", -MaxInt, MaxInt);
+    std::size_t integers = this->In.Count("integer parameters");
+    const std::size_t reals = this->In.Count("real parameters");
+    for (; integers > 0; --integers)
+    {
+      this->In.Integer("an integer parameter", -MaxInt, MaxInt);
+    }
+    this->In.CheckRoom(static_cast<long long>(reals), "real parameters");
+    (void)this->In.Reals(reals, "a real parameter");
+  }
+}
+
 void MeshParser::ReadNodesHeader(const std::vector<KnotVector>& knots)
 {
   this->In.Expect("FiniteElementSpace");
@@ -370,6 +413,7 @@ void MeshParser::ReadDofs()
   {
     knotVectors[k] = this->ReadKnotVector("knot vector " + std::to_string(k));
   }
+  this->SkipSpacing(knotVectors);
 
   long long dofs = this->Vertices;
   std::map<VertexPair, Edge> edges;

@@ -185,6 +185,19 @@ void Scanner::CheckRoom(long long count, const char* what, std::size_t tokens)
   }
 }
 
+std::string Scanner::RestOfLine(const char* what)
+{
+  this->Next(what);
+  const std::size_t line = std::min(this->Text.find('\n', this->Token), this->Text.size());
+  this->Begin = std::min(this->Text.find(this->Comment, this->Token), line);
+  std::string_view rest = this->Text.substr(this->Token, this->Begin - this->Token);
+  while (!rest.empty() && IsBlank(rest.back()))
+  {
+    rest.remove_suffix(1);
+  }
+  return std::string(rest);
+}
+
 std::string_view Scanner::NextLine()
 {
   this->Begin = std::min(this->Text.find('\n', this->Begin), this->Text.size());

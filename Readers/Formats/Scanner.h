@@ -49,6 +49,9 @@ public:
   /// The check of Count() on its own.
   void CheckRoom(long long count, const char* what, std::size_t tokens = 1);
 
+  /// The line of the next token from that token on, without blanks at its end and comment; takes
+  /// it.
+  std::string RestOfLine(const char* what);
   /// Goes to the begin of the next line, or the end of the text, and returns that line without its
   /// end and without taking it.
   std::string_view NextLine();

@@ -8,10 +8,11 @@ import common
 import numpy
 from paraview import simple
 
-# Hierarchical, MFEM v1.1, NC-patch: named in Readers/README.md.
-REFUSED = ('thbcube.xml', 'pipe-nurbs-log.mesh', 'nc-nurbs3d.mesh')
+# Non-conforming: named in Readers/README.md.
+REFUSED = ('nc-nurbs3d.mesh',)
 SHARED = [name for folder, pattern in (('gismo', '*.xml'), ('splinepy', '*.xml'),
-                                       ('mfem', '*.mesh'), ('gotools', '*.g2'), ('splipy', '*.g2'))
+                                       ('mfem', '*.mesh'), ('gotools', '*.g2'), ('splipy', '*.g2'),
+                                       ('irit', '*.itd'), ('geopdes', '*.txt'))
           for name in sorted(glob.glob(os.path.join(common.SHARED, folder, pattern)))]
 
 

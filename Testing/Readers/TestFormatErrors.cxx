@@ -112,6 +112,62 @@ controlpoints
 2 2 2
 )";
 
+const std::string Itd = R"([OBJECT [COLOR 4] BLOCK
+[TRIVAR BSPLINE 2 2 2 2 2 2 P3
+[KV 0 0 1 1]
+[KV 0 0 1 1]
+[KV 0 0 1 1]
+[1 0 0 0] [1 1 0 0] [1 0 1 0] [1 1 1 0]
+[1 0 0 1] [1 1 0 1] [1 0 1 1] [1 1 1 2]
+]
+]
+)";
+
+const std::string GeoPdes = R"(# nurbs mesh v.2.1
+# two squares
+2 2 2 1 1
+PATCH 1
+1 1
+2 2
+0 0 1 1
+0 0 1 1
+0 1 0 1
+0 0 1 1
+1 1 1 1
+PATCH 2
+1 1
+2 2
+0 0 1 1
+0 0 1 1
+1 2 1 2
+0 0 1 1
+1 1 1 1
+INTERFACE 1
+1 2
+2 1
+1
+SUBDOMAIN 1
+1 2
+BOUNDARY 1
+2
+1 1
+2 2
+)";
+
+const std::string Hierarchical = R"(<xml>
+<Geometry type="THBSpline2" id="3">
+<Basis type="THBSplineBasis2">
+<Basis type="TensorBSplineBasis2">
+<Basis type="BSplineBasis" index="0"><KnotVector degree="1">0 0 1 1</KnotVector></Basis>
+<Basis type="BSplineBasis" index="1"><KnotVector degree="1">0 0 2 2</KnotVector></Basis>
+</Basis>
+<box level="1">0 0 1 1</box>
+</Basis>
+<coefs geoDim="2">0 0 1 0 0 1 1 1 0 0</coefs>
+</Geometry>
+</xml>
+)";
+
 const std::string Xml = R"(<?xml version="1.0"?>
 <xml>
 <MultiPatch><patches type="id_range">3 3</patches>
@@ -137,6 +193,9 @@ TEST(FormatErrors, TextsOfThisTestAreGood)
   EXPECT_EQ(MessageOf([] { (void)ParseMfemMesh(Mesh); }), "no error");
   EXPECT_EQ(MessageOf([] { (void)ParseMfemMesh(MeshOfPatches); }), "no error");
   EXPECT_EQ(MessageOf([] { (void)ParseGismoXml(Xml); }), "no error");
+  EXPECT_EQ(MessageOf([] { (void)ParseGismoXml(Hierarchical); }), "no error");
+  EXPECT_EQ(MessageOf([] { (void)ParseIritItd(Itd); }), "no error");
+  EXPECT_EQ(MessageOf([] { (void)ParseGeoPdesText(GeoPdes); }), "no error");
 }
 
 TEST(FormatErrors, G2NamesLineThingAndRemedy)
@@ -176,7 +235,7 @@ TEST(FormatErrors, MfemNamesLineThingAndRemedy)
     [](const std::string& from, const std::string& to, const std::vector<std::string>& parts)
   { ExpectError([&] { (void)ParseMfemMesh(Replaced(Mesh, from, to)); }, parts); };
   expect("MFEM NURBS mesh v1.0", "MFEM mesh v1.0", { "line 1", "not a NURBS mesh", "mesh reader" });
-  expect("v1.0", "v1.1", { "line 1", "v1.1", "save it as v1.0" });
+  expect("v1.0", "v2.0", { "line 1", "v2.0", "save it as v1.0" });
   expect("mesh v1.0", "NC-patch mesh v1.0", { "line 1", "non-conforming", "v1.0" });
   expect("dimension 3", "dimension 4", { "line 2", "dimension", "1..3" });
   expect("1 5 0 1", "1 3 0 1", { "line 4", "element's type" });
@@ -205,6 +264,17 @@ TEST(FormatErrors, MfemNamesLineThingAndRemedy)
   expect("1 1 1  0 1 1\n", "1 1 1  0 1 1 5\n",
     { "line 32", "\"5\" after the last control point", "counts" });
   expect("knotvectors 3", "spacing 3", { "line 21", "\"spacing\"", "patches" });
+  const auto expectSpacing = [&](const std::string& section, const std::vector<std::string>& parts)
+  {
+    const std::string text = Replaced(Mesh, "v1.0", "v1.1");
+    ExpectError(
+      [&] { (void)ParseMfemMesh(Replaced(text, "weights\n", section + "weights\n")); }, parts);
+  };
+  expectSpacing("refinements 2 2 2 knotvector_refinements 1 2 0 1 3 spacing 1 0 5 3 1 1 0 1 10.0 ",
+    { "no error" });
+  expectSpacing("spacing 1 3 5 0 0\n", { "line 25", "knot vector's index", "0..2" });
+  expectSpacing("spacing 1 0 5 0 1000000000000 2\n", { "line 25", "1000000000000 real", "room" });
+  expectSpacing("refinements 2 2\n", { "line 26", "\"weights\"", "refinement factor" });
   ExpectError([] { (void)ParseMfemMesh(Mesh.substr(0, Mesh.find("FiniteElement"))); },
     { "the file ends where \"FiniteElementSpace\" is expected", "cut short" });
   ExpectError(
@@ -250,7 +320,7 @@ TEST(FormatErrors, GismoNamesElementThingAndRemedy)
   ExpectError([] { (void)ParseGismoXml("<VTKFile/>"); }, { "no element <xml>" });
   ExpectError([] { (void)ParseGismoXml("<xml><Function/></xml>"); },
     { "no tensor-product spline geometry, only 1 <Function>", "export" });
-  expect("TensorNurbs2\"", "THBSpline2\"", { geometry, "hierarchical spline (THBSpline2)" });
+  expect("TensorNurbs2\"", "RationalTHBSpline2\"", { "only 1 <Geometry", "RationalTHBSpline2" });
   expect("TensorNurbs2\"", "TensorNurbs4\"", { "only 1 <Geometry type=\"TensorNurbs4\">" });
   expect("TensorNurbs2\"", "TensorNurbs3\"", { geometry, "2 knot vectors where 3 are needed" });
   expect("id=\"3\">", "id=\"x\">", { "<Geometry id=\"x\">: line 5", "the id" });
@@ -281,6 +351,85 @@ TEST(FormatErrors, GismoNamesElementThingAndRemedy)
   expect("3 2 3 1 0 1", "3 2 5 1 0 1", { "line 4, <interfaces>", "existing patches" });
   expect("3 3 3 4", "3 3 3 5", { "line 4, <boundary>", "patch 3 with side 5" });
   expect("3 3 3 4", "3 3 3", { "line 4, <boundary>", "3 numbers" });
+}
+
+TEST(FormatErrors, HierarchicalSplinesNameElementThingAndRemedy)
+{
+  const auto expect =
+    [](const std::string& from, const std::string& to, const std::vector<std::string>& parts)
+  { ExpectError([&] { (void)ParseGismoXml(Replaced(Hierarchical, from, to)); }, parts); };
+  const std::string geometry = "line 2, <Geometry id=\"3\">";
+  expect("0 0 1 1</box>", "0 0 1</box>", { "line 8, <box>", "4 numbers", "there are 3" });
+  expect("0 0 1 1</box>", "0 0 3 1</box>", { geometry, "level 1", "has 2 elements" });
+  expect("0 0 1 1</box>", "0 0 0 1</box>", { geometry, "is empty or outside" });
+  expect("level=\"1\"", "level=\"31\"", { "line 8", "the level", "0..30" });
+  expect("level=\"1\"", "level=\"30\"", { geometry, "finest of 31 levels", "fewer levels" });
+  expect("1 1 0 0</coefs>", "1 1</coefs>", { geometry, "fewer than active functions" });
+  expect("1 1 0 0</coefs>", "1 1 0 0 0 0</coefs>", { geometry, "6 control points for 5 active" });
+  expect("1 1 0 0</coefs>", "1 1 0</coefs>", { "line 10, <coefs>", "9 numbers", "geoDim" });
+  expect("geoDim=\"2\"", "geoDim=\"0\"", { "line 10, <coefs>", "0 coordinates" });
+  expect("index=\"1\"", "index=\"0\"", { "line 6", "index 0 is repeated" });
+}
+
+TEST(FormatErrors, ItdNamesLineThingAndRemedy)
+{
+  const auto expect =
+    [](const std::string& from, const std::string& to, const std::vector<std::string>& parts)
+  { ExpectError([&] { (void)ParseIritItd(Replaced(Itd, from, to)); }, parts); };
+  expect("[1 1 1 2]\n]\n]", "[1 1 1 2]\n]\n", { "line 8", "1 open bracket", "cut short" });
+  expect("[1 1 1 2]\n]\n]", "[1 1 1", { "ends where a coordinate is expected", "cut short" });
+  expect("[1 1 1 2]\n]", "]", { "line 7", "where \"[\" is expected" });
+  expect("]\n]\n]", "]\n]\n]\n]", { "line 10", "closed that was not opened" });
+  expect("[1 0 1 0]", "[1 0 x 0]", { "line 6", "\"x\"", "a number, is expected" });
+  expect("[1 0 1 0]", "[1 0 nan 0]", { "line 6", "\"nan\"", "finite" });
+  expect("[1 0 1 0]", "[0 0 1 0]", { "line 8", "TRIVAR 0", "weight 2 is 0", "must be positive" });
+  expect("[1 0 1 0]", "[-1 0 1 0]", { "TRIVAR 0", "weight 2 is -1", "must be positive" });
+  expect("[1 0 1 0]", "[1 0 1]", { "line 6", "\"]\" where a coordinate" });
+  expect("[1 0 1 0]", "[1 0 1 0 5]", { "line 6", "\"5\" where \"]\" is expected" });
+  expect("[KV 0 0 1 1]", "[KV 0 0 1 0.5]", { "line 3", "direction u", "knots decrease" });
+  expect("[KV 0 0 1 1]", "[KV 0 0 1]", { "line 3", "\"]\" where a knot" });
+  expect("[KV 0 0 1 1]", "[KV 0 0 1 1 1]", { "line 3", "\"1\" where \"]\" is expected" });
+  expect("BSPLINE 2 2 2 2", "BSPLINE 4 2 2 2", { "line 3", "\"]\" where a knot" });
+  expect("BSPLINE 2 2 2 2", "BSPLINE 1000000000 2 2 2", { "line 3", "1000000002 knots", "room" });
+  expect("BSPLINE 2 2 2 2", "BSPLINE 2 2 2 99", { "line 2", "order", "1..32" });
+  expect("BSPLINE 2 2 2 2 2 2", "BEZIER 99 2 2", { "line 2", "the order is 99", "1..32" });
+  expect("BSPLINE", "POWER", { "line 2", "\"POWER\"", "BSPLINE or BEZIER" });
+  expect("P3", "E5", { "line 2", "\"E5\"", "E1 to E3" });
+  expect("P3", "X3", { "line 2", "\"X3\"", "P1 to P3" });
+  ExpectError([] { (void)ParseIritItd("[OBJECT A [POLYGON 1 [0 0 0]]]"); },
+    { "no spline", "only 1 POLYGON", "save it as TRIVAR" });
+  ExpectError([] { (void)ParseIritItd(""); }, { "no spline" });
+}
+
+TEST(FormatErrors, GeoPdesNamesLineThingAndRemedy)
+{
+  const auto expect =
+    [](const std::string& from, const std::string& to, const std::vector<std::string>& parts)
+  { ExpectError([&] { (void)ParseGeoPdesText(Replaced(GeoPdes, from, to)); }, parts); };
+  expect("2 2 2 1 1", "2", { "line 3", "line of counts", "at least two numbers" });
+  expect("2 2 2 1 1", "4 2 2 1 1", { "line 3", "4 parameters", "1 to 3" });
+  expect("2 2 2 1 1", "2 4 2 1 1", { "line 3", "4 coordinates", "1 to 3" });
+  expect("2 2 2 1 1", "2 x 2 1 1", { "line 3", "\"x\" where a count" });
+  expect("2 2 2 1 1", "2 2 1000000000 1 1", { "line 3", "1000000000 patches", "room" });
+  expect("2 2 2 1 1", "2 2 2 1000000000 1", { "line 3", "1000000000 interfaces", "room" });
+  expect("2 2 2 1 1", "2 2 2 1 1000000000", { "line 3", "1000000000 subdomains", "room" });
+  expect("1 1\n2 2\n", "1 99\n2 2\n", { "patch 1: line 5", "a degree", "0..31" });
+  expect("1 1\n2 2\n", "1 1\n2 0\n", { "patch 1: line 6", "number of control points" });
+  expect("1 1\n2 2\n", "1 1\n1000000000 2\n", { "patch 1: line 6", "1000000002 knots", "room" });
+  expect("0 0 1 1\n", "0 0 1 0.5\n", { "patch 1: line 7", "direction u", "knots decrease" });
+  expect("0 0 1 1\n", "0 0 1 nan\n", { "patch 1: line 7", "\"nan\"", "finite" });
+  expect("1 1 1 1\nPATCH", "1 1 1 0\nPATCH",
+    { "patch 1: control points up to line 11", "weight 3 is 0", "must be positive" });
+  expect("1 1 1 1\nPATCH", "1 1 1 -1\nPATCH", { "patch 1", "weight 3 is -1" });
+  expect("1 1 1 1\nPATCH", "1 1 1\nPATCH", { "patch 1: line 12", "\"PATCH\"", "a weight" });
+  expect("1 2\n2 1\n1\n", "1 5\n2 1\n1\n", { "line 21", "a side", "1..4" });
+  expect("1 2\n2 1\n1\n", "3 2\n2 1\n1\n", { "line 21", "a patch", "1..2" });
+  expect("1 2\n2 1\n1\n", "1 2\n2 1\n7\n", { "line 23", "orientation", "-1..1" });
+  expect("BOUNDARY 1\n2\n", "BOUNDARY 1\n3\n", { "line 27", "3 sides of a boundary", "room" });
+  ExpectError([] { (void)ParseGeoPdesText(GeoPdes.substr(0, GeoPdes.find("PATCH 2") - 6)); },
+    { "patch 1: line 8", "room for at most 3", "cut short" });
+  ExpectError([] { (void)ParseGeoPdesText("# nurbs mesh v.2.1\n"); },
+    { "line of counts is expected", "cut short" });
 }
 
 TEST(FormatErrors, AHugeCountIsRefusedBeforeMemoryIsTaken)
@@ -324,7 +473,7 @@ TEST(FormatErrors, ReadSplineFileBeginsWithTheFileName)
     return path;
   };
   const std::vector<std::pair<std::string, std::string>> files{ { "", "the file is empty" },
-    { "\x1f\x8b\x08zzzz", "compressed" }, { "x,y,z\n1,2,3\n", "not a G+Smo XML file" },
+    { "\x1f\x8b\x08zzzz", "compressed" }, { "x,y,z\n1,2,3\n", "not a G+Smo XML, MFEM mesh" },
     { "MFEM mesh v1.0\n", "not a NURBS mesh" },
     { Replaced(G2, "1 1 1 1\n", "1 1 1"), "object 0 (SplineVolume): line 8" } };
   for (const auto& [text, expected] : files)
@@ -347,16 +496,18 @@ TEST(FormatErrors, ReadSplineFileBeginsWithTheFileName)
 
 TEST(FormatErrors, EveryTruncationAndMutationParsesOrIsAnError)
 {
-  std::vector<std::string> seeds{ G2, Mesh, MeshOfPatches, Xml };
+  std::vector<std::string> seeds{ G2, Mesh, MeshOfPatches, Xml, Hierarchical, Itd, GeoPdes };
   std::vector<std::string> names;
-  for (const std::string name :
-    { "folded_sweep.xml", "tube_on_block.xml", "quarter_tube.g2", "twisted_bar.mesh" })
+  for (const std::string name : { "folded_sweep.xml", "tube_on_block.xml", "quarter_tube.g2",
+         "twisted_bar.mesh", "quarter_tube.itd", "two_blocks.txt" })
   {
     names.push_back(std::string(HYPERPATCH_DATA) + "/" + name);
   }
   for (const std::string name : { "gismo/fichera.xml", "gismo/linear_elasticity_example.xml",
          "splinepy/gismo_indent_nolabels_ascii_3d.xml", "mfem/beam-hex-nurbs.mesh",
-         "mfem/two-cubes-nurbs.mesh", "mfem/pipe-nurbs.mesh", "splipy/cube-8-orient3.g2" })
+         "mfem/two-cubes-nurbs.mesh", "mfem/pipe-nurbs.mesh", "mfem/pipe-nurbs-log.mesh",
+         "splipy/cube-8-orient3.g2", "gismo/thbcube.xml", "irit/skeletal_muscle.itd",
+         "geopdes/geo_2cubesb.txt" })
   {
     names.push_back(models::RealFile(name));
   }
@@ -413,6 +564,8 @@ TEST(FormatErrors, EveryTruncationAndMutationParsesOrIsAnError)
       }
       const auto parse = seed[0] == '<' ? ParseGismoXml
         : seed[0] == 'M'                ? ParseMfemMesh
+        : seed[0] == '['                ? ParseIritItd
+        : seed[0] == '#'                ? ParseGeoPdesText
                                         : ParseGoToolsG2;
       (void)SniffFormat(text);
       try
