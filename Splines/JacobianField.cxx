@@ -18,25 +18,28 @@ using field::BreaksOf;
 using field::Chunk;
 using field::KnotsNoSmootherThan;
 using field::OnBezierBox;
-using field::Operations;
 using field::UnitRoundoff;
 
 namespace
 {
 
-/// The determinant, or 0 where it is no more than the rounding error of its columns.
-double DeterminantOrZero(const Eigen::Matrix3d& J, double operations)
+/// The determinant, or 0 where it is no more than its rounding error.
+double DeterminantOrZero(
+  const Eigen::Matrix3d& J, const JacobianRounding& rounding, const double* parameters)
 {
   const double value = J.determinant();
-  const double noise =
-    UnitRoundoff * operations * J.col(0).norm() * J.col(1).norm() * J.col(2).norm();
-  return std::abs(value) <= noise ? 0.0 : value;
+  // The bound for the whole patch decides nearly always.
+  return std::abs(value) > rounding.LargestBound(J) ||
+      std::abs(value) > rounding.Bound(J, parameters)
+    ? value
+    : 0.0;
 }
 
 }
 
 JacobianField::JacobianField(std::shared_ptr<const PreparedSpline> geometry)
   : S(std::move(geometry))
+  , Rounding(this->S->Spline())
 {
   if (this->S->Spline().Components() != 3 || this->S->Spline().Dimension() != 3)
   {
@@ -51,7 +54,6 @@ JacobianField::JacobianField(const Spline& geometry)
 
 void JacobianField::Evaluate(std::size_t count, const double* parameters, double* values) const
 {
-  const double operations = Operations(this->S->Spline());
   std::vector<double> points(3 * std::min(count, Chunk));
   std::vector<double> derivatives(9 * std::min(count, Chunk));
   for (std::size_t first = 0; first < count; first += Chunk)
@@ -61,8 +63,9 @@ void JacobianField::Evaluate(std::size_t count, const double* parameters, double
       n, parameters + 3 * first, points.data(), derivatives.data());
     for (std::size_t i = 0; i < n; ++i)
     {
-      values[first + i] = DeterminantOrZero(
-        Eigen::Map<const Eigen::Matrix3d>(derivatives.data() + 9 * i), operations);
+      values[first + i] =
+        DeterminantOrZero(Eigen::Map<const Eigen::Matrix3d>(derivatives.data() + 9 * i),
+          this->Rounding, parameters + 3 * (first + i));
     }
   }
 }
@@ -70,7 +73,6 @@ void JacobianField::Evaluate(std::size_t count, const double* parameters, double
 void JacobianField::EvaluateWithGradient(
   std::size_t count, const double* parameters, double* values, double* gradients) const
 {
-  const double operations = Operations(this->S->Spline());
   std::vector<double> points(3 * std::min(count, Chunk));
   std::vector<double> derivatives(9 * std::min(count, Chunk));
   std::vector<double> seconds(18 * std::min(count, Chunk));
@@ -85,7 +87,7 @@ void JacobianField::EvaluateWithGradient(
     {
       const Eigen::Map<const Eigen::Matrix3d> J(derivatives.data() + 9 * i);
       const Eigen::Map<const Eigen::Matrix<double, 3, 6>> H(seconds.data() + 18 * i);
-      values[first + i] = DeterminantOrZero(J, operations);
+      values[first + i] = DeterminantOrZero(J, this->Rounding, parameters + 3 * (first + i));
       for (int d = 0; d < 3; ++d)
       {
         double sum = 0.0;

@@ -2,6 +2,7 @@
 #ifndef hyperpatch_JacobianField_h
 #define hyperpatch_JacobianField_h
 
+#include "JacobianRounding.h"
 #include "Prepared.h"
 #include "ScalarField.h"
 
@@ -32,6 +33,7 @@ public:
 
 private:
   std::shared_ptr<const PreparedSpline> S;
+  JacobianRounding Rounding;
 };
 
 }
