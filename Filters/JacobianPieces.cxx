@@ -8,10 +8,12 @@
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkIdList.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkPoints.h"
 #include "vtkPolyData.h"
 
 #include <algorithm>
@@ -152,6 +154,87 @@ std::map<int, std::array<std::set<float>, 3>> SeamsOf(const hyperpatch::MultiPat
   return seams;
 }
 
+}
+
+void JacobianPieces::RemoveSheetsInFaces(const hyperpatch::MultiPatch& model, vtkPolyData* output)
+{
+  const Mesh mesh(output);
+  std::set<vtkIdType> removed;
+  for (const hyperpatch::Patch& patch : model.Patches)
+  {
+    // Triangles with their corners in a face. At its border a sheet may have some whose inside is
+    // not in it: there det J is not 0.
+    std::vector<vtkIdType> cells;
+    std::vector<double> middles;
+    mesh.ForCells(
+      [&](vtkIdType cell, vtkIdList& corners)
+      {
+        if (mesh.Patch(cell) != patch.Id || mesh.Piece(cell) != vtkNURBSJacobianBoundary::SHEET)
+        {
+          return;
+        }
+        Parameter middle{};
+        std::array<bool, 6> isIn = patch.IsDomainFace;
+        for (const vtkIdType corner : corners)
+        {
+          const Parameter at = mesh.ParameterOf(corner);
+          for (std::size_t side = 0; side < isIn.size(); ++side)
+          {
+            const hyperpatch::KnotVector& knots = patch.Body.Geometry().Knots()[side / 2];
+            isIn[side] =
+              isIn[side] && at[side / 2] == (side % 2 == 0 ? knots.First() : knots.Last());
+          }
+          for (std::size_t d = 0; d < 3; ++d)
+          {
+            middle[d] += at[d] / 3.0;
+          }
+        }
+        const auto side = std::find(isIn.begin(), isIn.end(), true);
+        if (side != isIn.end())
+        {
+          const auto d = static_cast<std::size_t>(side - isIn.begin()) / 2;
+          middle[d] = mesh.ParameterOf(corners.GetId(0))[d];
+          cells.push_back(cell);
+          middles.insert(middles.end(), middle.begin(), middle.end());
+        }
+      });
+    if (cells.empty())
+    {
+      continue;
+    }
+    std::vector<double> values(cells.size());
+    hyperpatch::JacobianField(patch.Body.Geometry())
+      .Evaluate(cells.size(), middles.data(), values.data());
+    for (std::size_t i = 0; i < cells.size(); ++i)
+    {
+      if (values[i] == 0.0)
+      {
+        removed.insert(cells[i]);
+      }
+    }
+  }
+  if (removed.empty())
+  {
+    return;
+  }
+  vtkNew<vtkIdList> kept;
+  for (vtkIdType cell = 0; cell < mesh.Cells(); ++cell)
+  {
+    if (removed.count(cell) == 0)
+    {
+      kept->InsertNextId(cell);
+    }
+  }
+  vtkNew<vtkPolyData> rest;
+  rest->AllocateCopy(output);
+  vtkNew<vtkPoints> points;
+  points->SetDataType(output->GetPoints()->GetDataType());
+  rest->SetPoints(points);
+  rest->GetPointData()->CopyAllocate(output->GetPointData());
+  rest->GetCellData()->CopyAllocate(output->GetCellData());
+  rest->CopyCells(output, kept);
+  rest->GetFieldData()->ShallowCopy(output->GetFieldData());
+  output->ShallowCopy(rest);
 }
 
 void JacobianPieces::AddDeterminant(const hyperpatch::MultiPatch& model, vtkPolyData* output)

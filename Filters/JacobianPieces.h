@@ -12,9 +12,13 @@ namespace hyperpatch
 struct MultiPatch;
 }
 
-/// Arrays of vtkNURBSJacobianBoundary that are made of its finished mesh. Private to this module.
+/// What vtkNURBSJacobianBoundary does with its finished mesh. Private to this module.
 namespace JacobianPieces
 {
+
+/// Removes triangles of sheets that lie in a domain face: where det J is 0 all over a face, because
+/// it is collapsed or the fold is just there, the sheet is the face once more.
+void RemoveSheetsInFaces(const hyperpatch::MultiPatch& model, vtkPolyData* output);
 
 /// Adds the point array `JacobianDeterminant`: det J with respect to the patch's own parameters. On
 /// knot planes across which it jumps over 0 it is 0.

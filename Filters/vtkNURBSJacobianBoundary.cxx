@@ -3,6 +3,7 @@
 
 #include "Error.h"
 #include "Evaluator.h"
+#include "FieldNumbers.h"
 #include "JacobianField.h"
 #include "JacobianPieces.h"
 #include "JacobianSign.h"
@@ -224,27 +225,6 @@ void AddCellEdges(
   mesh.AddCells(patch, segments, elements, { { vtkNURBSJacobianBoundary::CELLS } });
 }
 
-void AddCount(vtkFieldData* fieldData, const char* name, std::int64_t value)
-{
-  vtkNew<vtkIdTypeArray> array;
-  array->SetName(name);
-  array->InsertNextValue(static_cast<vtkIdType>(value));
-  fieldData->AddArray(array);
-}
-
-/// The one number of an array of field data, which is made if it is not there.
-vtkDataArray* NumberNamed(vtkFieldData* fieldData, const char* name, double value)
-{
-  if (!fieldData->GetArray(name))
-  {
-    vtkNew<vtkDoubleArray> array;
-    array->SetName(name);
-    array->InsertNextValue(value);
-    fieldData->AddArray(array);
-  }
-  return fieldData->GetArray(name);
-}
-
 }
 
 void vtkNURBSJacobianBoundary::PrintSelf(ostream& os, vtkIndent indent)
@@ -381,13 +361,13 @@ void vtkNURBSJacobianBoundary::DrawKnotPlanes(const hyperpatch::MultiPatch& mode
     mesh.AddCells(*plane.Patch, crease.Triangles,
       crease.Elements.colwise() + Eigen::Vector3i(plane.FirstSpan.data()), { { KNOT_PLANE } });
   }
-  vtkDataArray* cells = NumberNamed(fieldData, "UndecidedCells", 0.0);
+  vtkDataArray* cells = FieldNumbers::Named(fieldData, "UndecidedCells", 0.0);
   cells->SetComponent(0, 0, cells->GetComponent(0, 0) + static_cast<double>(undecided));
-  vtkDataArray* largest = NumberNamed(fieldData, "LargestError", 0.0);
+  vtkDataArray* largest = FieldNumbers::Named(fieldData, "LargestError", 0.0);
   largest->SetComponent(0, 0, std::max(largest->GetComponent(0, 0), error));
   if (!isReached)
   {
-    NumberNamed(fieldData, "ToleranceReached", 0.0)->SetComponent(0, 0, 0.0);
+    FieldNumbers::Named(fieldData, "ToleranceReached", 0.0)->SetComponent(0, 0, 0.0);
     vtkWarningMacro("the limit of refinement was reached on knot planes: the measured error is "
       << error << " where " << tolerances.Position << " was asked for, with " << undecided
       << " cells in which a change of sign could neither be seen nor excluded");
@@ -452,10 +432,10 @@ void vtkNURBSJacobianBoundary::DrawTetrahedra(
       AddCellEdges(patch, tree, mesh);
     }
   }
-  AddCount(fieldData, "Cells", cells);
-  AddCount(fieldData, "Tetrahedra", total.Tetrahedra);
-  AddCount(fieldData, "RepairedCells", total.RepairedCells);
-  AddCount(fieldData, "OpenEdges", total.OpenEdges);
+  FieldNumbers::AddCount(fieldData, "Cells", cells);
+  FieldNumbers::AddCount(fieldData, "Tetrahedra", total.Tetrahedra);
+  FieldNumbers::AddCount(fieldData, "RepairedCells", total.RepairedCells);
+  FieldNumbers::AddCount(fieldData, "OpenEdges", total.OpenEdges);
   fieldData->AddArray(widths);
   fieldData->AddArray(queue);
 }
@@ -507,6 +487,7 @@ void vtkNURBSJacobianBoundary::Execute(const hyperpatch::MultiPatch& model, vtkD
   }
   auto* result = vtkPolyData::SafeDownCast(output);
   mesh.Fill(result);
+  JacobianPieces::RemoveSheetsInFaces(model, result);
   JacobianPieces::AddDeterminant(model, result);
   JacobianPieces::AddIds(
     model, result, [this](const std::vector<double>& records) { return this->AllGather(records); });

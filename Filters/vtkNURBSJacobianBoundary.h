@@ -19,6 +19,8 @@
  * - `JacobianDeterminant` (point data, 1): det J with respect to the patch's own parameters; at C0
  *   knots of a face the limit from above, on knot planes 0
  *
+ * A sheet in a face, as where a face is collapsed, is left out: the face is there.
+ *
  * Normals of faces are outward; those of sheets and knot planes point to growing det J. Triangles
  * turn counter-clockwise around them.
  *

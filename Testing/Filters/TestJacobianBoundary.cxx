@@ -387,6 +387,36 @@ TEST(JacobianBoundary, HasSheetsThatEndOnFaces)
   EXPECT_GT(border, 10);
 }
 
+// det J is 0 all over a face that is collapsed to an axis, and over the face at the fold of half of
+// Figure 1: sheets there would be those faces once more.
+TEST(JacobianBoundary, HasNoSheetsInFaces)
+{
+  const Spline tube = models::QuarterTube();
+  Eigen::MatrixXd points = tube.Coefficients();
+  for (Eigen::Index i = 0; i < points.cols(); i += 2)
+  {
+    points.col(i).head(2).setZero();
+  }
+  const Spline half =
+    RestrictToBox(models::SweptHalfCylinder(), { 0.0, 0.0, 0.0 }, { 0.5, 1.0, 1.0 });
+  const Spline wedge(tube.Knots(), points, tube.Weights());
+  for (const Spline& volume : { wedge, half })
+  {
+    FilterRun run(Alone(volume, { { "Field", volume } }));
+    vtkPolyData* mesh = run.Update();
+    // A face without area is not drawn.
+    EXPECT_EQ(Values(mesh, "Piece"),
+      volume == wedge ? (std::set<int>{ 1, 2, 3, 4, 5 }) : (std::set<int>{ 0, 1, 2, 3, 4, 5 }));
+    EXPECT_EQ(FieldNumber(mesh, "UndecidedCells"), 0.0);
+    ASSERT_NE(mesh->GetPointData()->GetArray("Field"), nullptr);
+    EXPECT_EQ(
+      mesh->GetPointData()->GetArray("Field")->GetNumberOfTuples(), mesh->GetNumberOfPoints());
+    run.Filter->FacesOff();
+    EXPECT_EQ(run.Update()->GetNumberOfCells(), 0);
+    EXPECT_EQ(run.Said, std::vector<std::string>());
+  }
+}
+
 TEST(JacobianBoundary, HasTheDeterminantAtItsPoints)
 {
   FilterRun run(Alone(models::SweptHalfCylinder()));
