@@ -15,7 +15,10 @@
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <tuple>
 #include <utility>
 
 namespace
@@ -60,7 +63,8 @@ void NURBSMeshOutput::AddCells(const hyperpatch::Patch& patch, const Cells& cell
   {
     return;
   }
-  CellBlock block{ cells.array() + this->LastOffset, {}, patch.Id, labels };
+  CellBlock block{ cells.array() + this->LastOffset, {}, patch.Id, labels,
+    this->Points.size() - 1 };
   std::array<std::int64_t, 3> whole{};
   for (std::size_t d = 0; d < 3; ++d)
   {
@@ -74,6 +78,106 @@ void NURBSMeshOutput::AddCells(const hyperpatch::Patch& patch, const Cells& cell
       elements(0, c) + whole[0] * (elements(1, c) + whole[1] * elements(2, c)));
   }
   this->Blocks.push_back(std::move(block));
+}
+
+void NURBSMeshOutput::MergePoints(std::size_t begin)
+{
+  std::int64_t offset = 0;
+  for (std::size_t b = 0; b < begin; ++b)
+  {
+    offset += this->Points[b].Points.cols();
+  }
+  const std::int64_t count = this->NumberOfPoints - offset;
+  PointBlock merged;
+  merged.Parameters.resize(3, count);
+  merged.Points.resize(3, count);
+  merged.Normals.resize(3, count);
+  for (const auto& [name, components] : this->Components)
+  {
+    merged.Attributes.emplace(
+      name, Eigen::MatrixXd::Constant(components, count, std::numeric_limits<double>::quiet_NaN()));
+  }
+  // Points of one block have cells of one label.
+  std::vector<int> labels(this->Points.size(), 0);
+  for (const CellBlock& block : this->Blocks)
+  {
+    labels[block.Points] = block.Labels[0][0];
+  }
+  std::map<std::tuple<int, double, double, double>, std::int64_t> numbers;
+  std::vector<std::int64_t> numberOf;
+  std::int64_t size = 0;
+  for (std::size_t b = begin; b < this->Points.size(); ++b)
+  {
+    const PointBlock& block = this->Points[b];
+    for (Eigen::Index i = 0; i < block.Points.cols(); ++i)
+    {
+      const auto x = block.Points.col(i);
+      const auto [at, isNew] = numbers.try_emplace({ labels[b], x[0], x[1], x[2] }, size);
+      numberOf.push_back(at->second);
+      if (!isNew)
+      {
+        merged.Normals.col(at->second) += block.Normals.col(i);
+        continue;
+      }
+      merged.Parameters.col(size) = block.Parameters.col(i);
+      merged.Points.col(size) = x;
+      merged.Normals.col(size) = block.Normals.col(i);
+      for (auto& [name, values] : merged.Attributes)
+      {
+        const auto found = block.Attributes.find(name);
+        if (found != block.Attributes.end() && found->second.rows() == values.rows())
+        {
+          values.col(size) = found->second.col(i);
+        }
+      }
+      ++size;
+    }
+  }
+  merged.Parameters.conservativeResize(3, size);
+  merged.Points.conservativeResize(3, size);
+  merged.Normals.conservativeResize(3, size);
+  for (auto& entry : merged.Attributes)
+  {
+    entry.second.conservativeResize(entry.second.rows(), size);
+  }
+  for (Eigen::Index i = 0; i < size; ++i)
+  {
+    // Two sides of opposite normals, as in a fold, have no mean.
+    merged.Normals.col(i) = merged.Normals.col(i).stableNormalized();
+  }
+  for (CellBlock& block : this->Blocks)
+  {
+    if (block.Points < begin)
+    {
+      continue;
+    }
+    block.Points = begin;
+    Eigen::Index kept = 0;
+    for (Eigen::Index c = 0; c < block.Indices.cols(); ++c)
+    {
+      bool isWhole = true;
+      for (Eigen::Index k = 0; k < block.Indices.rows(); ++k)
+      {
+        std::int64_t& corner = block.Indices(k, c);
+        corner = offset + numberOf[static_cast<std::size_t>(corner - offset)];
+        isWhole = isWhole && (k == 0 || corner != block.Indices(k - 1, c));
+      }
+      isWhole = isWhole &&
+        (block.Indices.rows() == 1 ||
+          block.Indices(0, c) != block.Indices(block.Indices.rows() - 1, c));
+      if (isWhole)
+      {
+        block.Indices.col(kept) = block.Indices.col(c);
+        block.ElementIds[static_cast<std::size_t>(kept++)] =
+          block.ElementIds[static_cast<std::size_t>(c)];
+      }
+    }
+    block.Indices.conservativeResize(Eigen::NoChange, kept);
+    block.ElementIds.resize(static_cast<std::size_t>(kept));
+  }
+  this->Points.resize(begin);
+  this->Points.push_back(std::move(merged));
+  this->NumberOfPoints = offset + size;
 }
 
 void NURBSMeshOutput::Fill(vtkPointSet* output) const

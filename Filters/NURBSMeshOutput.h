@@ -37,6 +37,13 @@ public:
   void AddCells(const hyperpatch::Patch& patch, const Cells& cells,
     const Eigen::Matrix3Xi& elements, const std::vector<std::vector<int>>& labels);
 
+  /// How often points were added.
+  [[nodiscard]] std::size_t NumberOfBlocks() const { return this->Points.size(); }
+  /// Makes one of points with the same coordinates and first label of their cells, which then have
+  /// one value each: with the mean of their normals, otherwise like the first of them. Cells that
+  /// lose a corner are left out. \param begin only points that were added after so many blocks
+  void MergePoints(std::size_t begin);
+
   /// \param output an empty vtkPolyData (no hexahedra) or vtkUnstructuredGrid
   void Fill(vtkPointSet* output) const;
 
@@ -52,6 +59,7 @@ private:
     std::vector<std::int64_t> ElementIds;
     int PatchId;
     std::vector<std::vector<int>> Labels;
+    std::size_t Points; ///< the block of its points
   };
 
   std::map<std::string, int> Components;

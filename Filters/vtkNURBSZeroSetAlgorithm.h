@@ -4,8 +4,8 @@
  * @brief Base class of slice, isosurface and Jacobian boundary: f = 0 drawn on the exact splines.
  *
  * A subclass says which fields f it wants on which patches; this class refines until the tolerances
- * are met on all patches and ranks (the same cells on both sides of every cut between pieces), and
- * fills the output.
+ * are met on all patches and ranks, lets the surface close across interfaces between patches and
+ * cuts between pieces, and fills the output.
  *
  * Output: vtkPolyData: triangles in volumes, line segments in surfaces, vertices on curves, with
  * the arrays of vtkNURBSMeshAlgorithm. Normals point to growing f and do not flip where a volume is
@@ -17,6 +17,17 @@
  *   within the rounding error of f counts as 0
  * - `LargestError`: measured distance between mesh and exact zero set, inside every cell
  * - `ToleranceReached`: 0 where the limit of refinement came first (a warning says so too)
+ * - `OpenEdgesOnBoundary`: edges of one triangle only, on sides beyond which there is no model
+ * - `OpenEdgesOnInterfaces`: the same on interfaces on which the field or the geometry of both
+ *   sides differ by more than 1e-6 of its range or of the extent of the model, or that contradict
+ *   other interfaces, and on cuts whose other side is not there
+ * - `OpenEdgesInside`: the same anywhere else. These are cracks; there are none where nothing is
+ *   undecided.
+ * In a parallel run each process has those of its part; edges that meet their partner on another
+ * one are not open.
+ *
+ * Points on interfaces and creases occur once per side, with the same bits in their coordinates and
+ * the ParametricCoordinates, normal and attributes of their side; MergePoints joins them.
  */
 #ifndef vtkNURBSZeroSetAlgorithm_h
 #define vtkNURBSZeroSetAlgorithm_h
@@ -32,9 +43,9 @@ class vtkFieldData;
 
 namespace hyperpatch
 {
+struct Interface;
 class PreparedAggregate;
 class ScalarField;
-class ZeroSet;
 }
 
 class VTKNURBSFILTERS_EXPORT vtkNURBSZeroSetAlgorithm : public vtkNURBSMeshAlgorithm
@@ -42,6 +53,18 @@ class VTKNURBSFILTERS_EXPORT vtkNURBSZeroSetAlgorithm : public vtkNURBSMeshAlgor
 public:
   vtkAbstractTypeMacro(vtkNURBSZeroSetAlgorithm, vtkNURBSMeshAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * Whether points of one surface that have the same coordinates become one: those of the sides of
+   * interfaces and creases. It has the ParametricCoordinates and attributes of the first side and
+   * the mean of the normals; triangles that lose a corner by that are left out. Points of different
+   * processes are not joined. Default: off.
+   */
+  vtkSetMacro(MergePoints, bool);
+  vtkGetMacro(MergePoints, bool);
+  vtkBooleanMacro(MergePoints, bool);
+  ///@}
 
 protected:
   vtkNURBSZeroSetAlgorithm();
@@ -67,6 +90,8 @@ protected:
     PreparedPatch On;
     std::shared_ptr<const hyperpatch::ScalarField> Field;
     int Value = 0; ///< label of the cells; parts of a patch with the same value share a grid
+    /// Index of an attribute that is constant where the field is 0: its tolerance does not apply.
+    int Constant = -1;
   };
 
   /**
@@ -82,12 +107,9 @@ private:
   vtkNURBSZeroSetAlgorithm(const vtkNURBSZeroSetAlgorithm&) = delete;
   void operator=(const vtkNURBSZeroSetAlgorithm&) = delete;
 
-  /// Neighboring parts divide their common faces alike, so that no crack is between them.
-  using ZeroSets = std::vector<std::unique_ptr<hyperpatch::ZeroSet>>;
-  void AgreeOnRoots(const std::vector<Task>& tasks, const ZeroSets& zeroSets);
-  void ExchangeNodes(const std::vector<Task>& tasks, const ZeroSets& zeroSets);
-
   std::vector<PreparedPatch> Prepared;
+  std::vector<hyperpatch::Interface> Interfaces; ///< of the model
+  bool MergePoints = false;
 };
 
 #endif

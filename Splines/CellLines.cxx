@@ -17,19 +17,12 @@ CellLines::CellLines(double parameter)
 {
 }
 
-CellLines::CellLines(
-  std::vector<double> breaks, const std::vector<bool>& isCrease, int cells, bool mirrored)
+CellLines::CellLines(std::vector<double> breaks, const std::vector<bool>& isCrease, int cells)
   : B(std::move(breaks))
-  , Mirrored(mirrored)
 {
   const int last = static_cast<int>(this->B.size()) - 1;
   std::vector<bool> crease = isCrease;
   crease.front() = crease.back() = true;
-  if (mirrored)
-  {
-    std::reverse(this->B.begin(), this->B.end());
-    std::reverse(crease.begin(), crease.end());
-  }
   const double length = this->B.back() - this->B.front();
   for (int first = 0; first < last;)
   {
@@ -74,6 +67,15 @@ CellLines::CellLines(
   }
 }
 
+CellLines CellLines::On(std::vector<double> breaks, int first, int last) const
+{
+  CellLines lines;
+  lines.B = std::move(breaks);
+  lines.Roots.assign(this->Roots.begin() + first, this->Roots.begin() + last);
+  lines.Creases.assign(this->Creases.begin() + first, this->Creases.begin() + last + 1);
+  return lines;
+}
+
 bool CellLines::IsCrease(int line) const
 {
   return line % RootSize == 0 && !this->Creases.empty() &&
@@ -89,7 +91,7 @@ double CellLines::Parameter(int line) const
   const auto b = [this](int i) { return this->B[static_cast<std::size_t>(i)]; };
   if (line >= this->Length())
   {
-    return this->B.back();
+    return b(this->Roots.back().Last);
   }
   const Root& root = this->Roots[static_cast<std::size_t>(line / RootSize)];
   int offset = line % RootSize;

@@ -13,9 +13,8 @@ namespace hyperpatch
 ///
 /// A root cell holds one or more whole knot spans or an equal part of one. Halving a cell that
 /// holds several spans cuts at a knot, halving a smaller one cuts in the middle. Creases are lines
-/// of root cells, so that no cell reaches across. The same breaks, creases and number of cells
-/// mirrored give the mirrored lines: patches that meet can have the same lines on their common
-/// face.
+/// of root cells, so that no cell reaches across. Directions of patches that meet have the same
+/// lines on their common face when all of them are made of one (On()).
 class CellLines
 {
 public:
@@ -25,9 +24,14 @@ public:
   /// \param breaks the parameters between which everything is one polynomial, ascending
   /// \param isCrease one per break; the two ends always are
   /// \param cells about how many root cells are wanted
-  /// \param mirrored whether lines are counted from the last break
-  CellLines(std::vector<double> breaks, const std::vector<bool>& isCrease, int cells,
-    bool mirrored = false);
+  CellLines(std::vector<double> breaks, const std::vector<bool>& isCrease, int cells);
+
+  /// The same lines in another direction, or those of a part of it.
+  /// \param breaks as many as these have, where the direction has them: ascending, or descending if
+  /// it runs against this one
+  /// \param first, last the crease lines, counted in root cells, that become the first and last
+  /// line
+  [[nodiscard]] CellLines On(std::vector<double> breaks, int first, int last) const;
 
   /// The size of a root cell, a power of two; a cell of size 1 cannot be halved.
   static constexpr int RootSize = 1 << 18;
@@ -38,7 +42,8 @@ public:
   [[nodiscard]] int Length() const { return static_cast<int>(this->Roots.size()) * RootSize; }
   [[nodiscard]] double Parameter(int line) const;
   [[nodiscard]] bool IsCrease(int line) const;
-  [[nodiscard]] bool IsMirrored() const { return this->Mirrored; }
+  /// Whether parameters fall from line to line.
+  [[nodiscard]] bool IsMirrored() const { return this->B.back() < this->B.front(); }
 
 private:
   /// Breaks First .. Last, or part Part of Parts of the span between two of them.
@@ -51,7 +56,6 @@ private:
   std::vector<double> B; ///< in the order of the lines
   std::vector<Root> Roots;
   std::vector<bool> Creases; ///< of the root lines
-  bool Mirrored = false;
 };
 
 }

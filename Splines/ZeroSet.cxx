@@ -42,9 +42,6 @@ void Merge(std::vector<Break>& all)
   all.back().At = last;
 }
 
-/// No more root cells per direction than this for each in the shortest one.
-constexpr double LargestAspect = 64.0;
-
 }
 
 void ZeroSetCertificate::Add(const ZeroSetCertificate& other)
@@ -55,6 +52,9 @@ void ZeroSetCertificate::Add(const ZeroSetCertificate& other)
   this->LargestError = std::max(this->LargestError, other.LargestError);
   this->LargestAttributeError = std::max(this->LargestAttributeError, other.LargestAttributeError);
   this->ToleranceReached = this->ToleranceReached && other.ToleranceReached;
+  this->OpenEdgesOnBoundary += other.OpenEdgesOnBoundary;
+  this->OpenEdgesOnInterfaces += other.OpenEdgesOnInterfaces;
+  this->OpenEdgesInside += other.OpenEdgesInside;
 }
 
 ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const ScalarField& field,
@@ -106,9 +106,7 @@ ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const
     }
   }
 
-  // Root cells that are about cubes: lengths of the lines through the middle of the domain.
-  std::array<double, 3> length{};
-  double shortest = INFINITY;
+  // Lengths of the lines through the middle of the domain.
   for (int d = 0; d < 3; ++d)
   {
     const KnotVector& knots = geometry.Knots(d);
@@ -131,12 +129,12 @@ ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const
       parameters(d, i) = this->Low[d] + i * (this->High[d] - this->Low[d]) / Steps;
     }
     this->Geometry.Evaluate(Steps + 1, parameters.data(), points.data());
-    double& sum = length[static_cast<std::size_t>(d)];
+    double& sum = this->Lengths[static_cast<std::size_t>(d)];
     for (int i = 1; i <= Steps; ++i)
     {
       sum += (points.col(i) - points.col(i - 1)).norm();
     }
-    shortest = sum > 0.0 ? std::min(shortest, sum) : shortest;
+    this->DomainWidth = std::max(this->DomainWidth, sum);
   }
   for (int d = 0; d < 3; ++d)
   {
@@ -147,6 +145,8 @@ ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const
       continue;
     }
     Merge(breaks[D]);
+    breaks[D].front().At = this->Low[d];
+    breaks[D].back().At = this->High[d];
     std::vector<double> at;
     std::vector<bool> isCrease;
     for (const Break& b : breaks[D])
@@ -154,22 +154,19 @@ ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const
       at.push_back(b.At);
       isCrease.push_back(b.IsCrease);
     }
-    const double aspect = length[D] > 0.0 ? length[D] / shortest : 1.0;
-    this->Roots[D] = static_cast<int>(std::min(LargestAspect, aspect) + 0.5);
-    this->DomainWidth = std::max(this->DomainWidth, length[D]);
     this->BreakAt[D] = std::move(at);
     this->IsCreaseAt[D] = std::move(isCrease);
   }
-  this->MakeLines({ false, false, false });
 }
 
-void ZeroSet::Worker::MakeLines(const std::array<bool, 3>& mirrored)
+double ZeroSet::Worker::RootsFor(double length, double shortest)
 {
-  for (const int d : this->Axes)
-  {
-    const auto D = static_cast<std::size_t>(d);
-    this->Lines[D] = CellLines(this->BreakAt[D], this->IsCreaseAt[D], this->Roots[D], mirrored[D]);
-  }
+  return length > 0.0 ? std::min(LargestAspect, length / shortest) : 1.0;
+}
+
+void ZeroSet::Worker::SetLines(std::array<CellLines, 3> lines)
+{
+  this->Lines = std::move(lines);
   this->Scale = this->High - this->Low;
   for (const int d : this->Axes)
   {
@@ -192,14 +189,38 @@ bool ZeroSet::Worker::Parallel(
   return !this->Options.Abort();
 }
 
-bool ZeroSet::Worker::Finish()
+bool ZeroSet::Worker::Extract()
 {
-  if (!this->Trace() || !this->Fill())
+  // Root cells that are about cubes.
+  double shortest = INFINITY;
+  for (const double length : this->Lengths)
   {
-    return false;
+    shortest = length > 0.0 ? std::min(shortest, length) : shortest;
   }
-  this->Assemble();
-  return true;
+  std::array<CellLines, 3> lines = this->Lines;
+  for (const int d : this->Axes)
+  {
+    const auto D = static_cast<std::size_t>(d);
+    const int roots = static_cast<int>(RootsFor(this->Lengths[D], shortest) + 0.5);
+    lines[D] = CellLines(this->BreakAt[D], this->IsCreaseAt[D], roots);
+  }
+  this->SetLines(std::move(lines));
+  const auto finish = [this]
+  {
+    return this->FindValues() && this->TraceFaces() && this->FollowCurves() &&
+      this->FillAndAssemble();
+  };
+  bool finished = this->Search() && finish();
+  for (int round = 0; round < MostRefinements && finished && this->Refine(); ++round)
+  {
+    finished = finish();
+  }
+  for (const auto& edge : this->OpenEdges)
+  {
+    ++(this->SidesOf(edge) != 0 ? this->Certificate.OpenEdgesOnBoundary
+                                : this->Certificate.OpenEdgesInside);
+  }
+  return finished;
 }
 
 ZeroSet::ZeroSet(const Aggregate& body, const ScalarField& field, ZeroSetOptions options)
@@ -217,43 +238,7 @@ ZeroSet::~ZeroSet() = default;
 
 bool ZeroSet::Extract()
 {
-  bool finished = this->Search() && this->Finish();
-  for (int round = 0; round < MostRefinements && finished && this->Refine(); ++round)
-  {
-    finished = this->Finish();
-  }
-  return finished;
-}
-
-const std::array<int, 3>& ZeroSet::Roots() const
-{
-  return this->W->Roots;
-}
-
-void ZeroSet::SetRoots(const std::array<int, 3>& roots, const std::array<bool, 3>& mirrored)
-{
-  this->W->Roots = roots;
-  this->W->MakeLines(mirrored);
-}
-
-bool ZeroSet::Search()
-{
-  return this->W->Search();
-}
-
-std::vector<std::array<int, 2>> ZeroSet::NodesOn(int side) const
-{
-  return this->W->NodesOn(side);
-}
-
-bool ZeroSet::AddNodes(int side, const std::vector<std::array<int, 2>>& nodes)
-{
-  return this->W->AddNodes(side, nodes);
-}
-
-bool ZeroSet::Finish()
-{
-  return this->W->Finish();
+  return this->W->Extract();
 }
 
 const ZeroSetMesh& ZeroSet::Mesh() const
@@ -264,11 +249,6 @@ const ZeroSetMesh& ZeroSet::Mesh() const
 const ZeroSetCertificate& ZeroSet::Certificate() const
 {
   return this->W->Certificate;
-}
-
-bool ZeroSet::Refine()
-{
-  return this->W->Refine();
 }
 
 }

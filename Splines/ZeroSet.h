@@ -30,8 +30,6 @@ struct ZeroSetOptions
   double MaximumCells = 2e7;
   /// +1 or -1: the sign of det J of the patch, which orients normals and cells.
   int Handedness = 1;
-  /// Per side (0..5), whether the model goes on beyond it: cuts between parts, interfaces.
-  std::array<bool, 6> GoesOn{};
   ParallelFor For = SerialFor;
   /// Called between steps and, on one thread, inside long ones; true stops the work.
   std::function<bool()> Abort = [] { return false; };
@@ -50,6 +48,12 @@ struct ZeroSetCertificate
   double LargestError = 0.0;          ///< physical distance, measured inside every cell
   double LargestAttributeError = 0.0; ///< as a multiple of its tolerance
   bool ToleranceReached = true;       ///< false where a maximum stopped refinement
+  /// Edges of triangles that no other triangle has, by where they are: on sides beyond which there
+  /// is nothing; on sides beyond which the model goes on, but the field or the geometry does not
+  /// agree; anywhere else. The last are cracks: there are none where nothing is undecided.
+  std::int64_t OpenEdgesOnBoundary = 0;
+  std::int64_t OpenEdgesOnInterfaces = 0;
+  std::int64_t OpenEdgesInside = 0;
 
   /// The certificate of both meshes together.
   void Add(const ZeroSetCertificate& other);
@@ -84,7 +88,7 @@ struct ZeroSetMesh
 /// in curves that both sides share; inside its leaf it is meshed by a constrained Delaunay
 /// triangulation in the metric of its curvature and of the attributes. Vertices are on f = 0 to
 /// round-off, the error of each cell is measured, and cells that miss the tolerance get more
-/// vertices.
+/// vertices. Patches that meet are drawn together by ZeroSetGroup.
 class ZeroSet
 {
 public:
@@ -98,38 +102,11 @@ public:
   /// All at once, for a patch alone. False if aborted.
   bool Extract();
 
-  /// Patches that meet, or parts of one, give a surface without cracks if their boxes are halved
-  /// alike on the common face. For that they need the same lines in it, which follow from the
-  /// breaks and from the numbers of root boxes; and each has to know where the other halved.
-  ///
-  ///   a.SetRoots(...), b.SetRoots(...);             // the same along the face
-  ///   a.Search(), b.Search();
-  ///   b.AddNodes(side of b, a.NodesOn(side of a));  // and back
-  ///   a.Finish(), b.Finish();
-  ///
-  /// The number of root boxes per direction, 0 for one that is not there; creases come on top.
-  [[nodiscard]] const std::array<int, 3>& Roots() const;
-  /// \param mirrored per direction, whether lines are counted from the end
-  void SetRoots(const std::array<int, 3>& roots, const std::array<bool, 3>& mirrored);
-  /// False if aborted.
-  bool Search();
-  /// Where boxes have corners on a side (0..5): line numbers in the two other directions,
-  /// ascending.
-  [[nodiscard]] std::vector<std::array<int, 2>> NodesOn(int side) const;
-  /// \returns whether any of them is new
-  bool AddNodes(int side, const std::vector<std::array<int, 2>>& nodes);
-  /// False if aborted.
-  bool Finish();
-  /// After Finish(): halves the boxes in which a tolerance was missed or the sheet could not be
-  /// meshed. True if there were any; then tell the neighbors and Finish() again.
-  bool Refine();
-  /// How often that is worth while.
-  static constexpr int MostRefinements = 6;
-
   [[nodiscard]] const ZeroSetMesh& Mesh() const;
   [[nodiscard]] const ZeroSetCertificate& Certificate() const;
 
 private:
+  friend class ZeroSetGroup;
   class Worker;
   std::unique_ptr<Worker> W;
 };

@@ -135,10 +135,10 @@ ZeroSet::Worker::Index ZeroSet::Worker::VertexOn(const Node& low, int size, int 
   const double f0 = this->ValueAt(low);
   const double f1 = this->ValueAt(high);
   // Only a positive end can be zero; then the vertex is that node.
-  Vertex vertex{ low, axis, size, f0, f1 };
+  Vertex vertex{ low, axis, size, f0, f1, 0.0, false };
   if (f0 == 0.0 || f1 == 0.0)
   {
-    vertex = { f0 == 0.0 ? low : high, 3, 0, 0.0, 0.0 };
+    vertex = { f0 == 0.0 ? low : high, 3, 0, 0.0, 0.0, 0.0, true };
   }
   return this->AddVertex(vertex);
 }
@@ -159,8 +159,7 @@ bool ZeroSet::Worker::GoesOn(int direction, int line) const
   const auto d = static_cast<std::size_t>(direction);
   const CellLines& lines = this->Lines[d];
   const bool atEnd = line == lines.Length();
-  return (line == 0 || atEnd) &&
-    this->Options.GoesOn[2 * d + (atEnd != lines.IsMirrored() ? 1 : 0)];
+  return (line == 0 || atEnd) && this->GoesBeyond[2 * d + (atEnd != lines.IsMirrored() ? 1 : 0)];
 }
 
 void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
@@ -178,8 +177,10 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
   {
     Index Vertex;
     bool ToNegative;
+    std::size_t Corner; ///< the number of nodes that the walk met before
   };
   std::vector<Crossing> crossings;
+  std::vector<Node> corners;
   const auto side = [&](const Node& from, int axis, bool forward)
   {
     std::vector<std::pair<Node, int>> edges;
@@ -195,9 +196,11 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
       end[static_cast<std::size_t>(axis)] += length;
       const bool p0 = this->ValueAt(at) >= 0.0;
       const bool p1 = this->ValueAt(end) >= 0.0;
+      corners.push_back(forward ? at : end);
       if (p0 != p1)
       {
-        crossings.push_back({ this->VertexOn(at, length, axis), forward ? p0 : p1 });
+        crossings.push_back(
+          { this->VertexOn(at, length, axis), forward ? p0 : p1, corners.size() });
       }
     }
   };
@@ -213,19 +216,33 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
   {
     return;
   }
+  const int line = low[static_cast<std::size_t>(normal)];
+  const bool onCrease =
+    this->Axes.size() == 3 && this->Lines[static_cast<std::size_t>(normal)].IsCrease(line);
   bool cutNegative = true;
   if (crossings.size() > 2)
   {
     Node opposite = right;
     opposite[static_cast<std::size_t>(c)] += size;
-    const Eigen::Vector3d middle = 0.5 * (this->ParameterOf(low) + this->ParameterOf(opposite));
     double value = 0.0;
-    this->Field.Evaluate(1, middle.data(), &value);
+    if (this->GoesOn(normal, line))
+    {
+      // Of what both sides know, and in an order that both can find.
+      std::array<double, 4> values{ this->ValueAt(low), this->ValueAt(right), this->ValueAt(top),
+        this->ValueAt(opposite) };
+      std::sort(values.begin(), values.end());
+      value = values[0] + values[1] + values[2] + values[3];
+    }
+    else
+    {
+      const Eigen::Vector3d middle = 0.5 * (this->ParameterOf(low) + this->ParameterOf(opposite));
+      this->Field.Evaluate(1, middle.data(), &value);
+    }
     cutNegative = value >= 0.0;
   }
-  const auto n = static_cast<std::size_t>(normal);
-  const bool onCrease = this->Axes.size() == 3 && this->Lines[n].IsCrease(low[n]);
-  const bool shared = onCrease && this->GoesOn(normal, low[n]);
+  const auto add = [&](Index from, Index to) {
+    this->Curves.push_back({ from, to, 0, 0, normal, onCrease, false, {}, line, -1 });
+  };
   for (std::size_t i = 0; i < crossings.size(); ++i)
   {
     if (!crossings[i].ToNegative)
@@ -234,8 +251,27 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
     }
     // From where the walk leaves the positive side: around what follows, or around what was.
     const std::size_t other = (cutNegative ? i + 1 : i + crossings.size() - 1) % crossings.size();
-    this->Curves.push_back(
-      { crossings[i].Vertex, crossings[other].Vertex, 0, 0, normal, onCrease, false, {}, shared });
+    Index from = crossings[i].Vertex;
+    // A positive side that is all zero is the curve.
+    const std::size_t begin = crossings[other].Corner;
+    std::size_t end = crossings[i].Corner;
+    end += end < begin ? corners.size() : 0;
+    const auto corner = [&](std::size_t k) -> const Node& { return corners[k % corners.size()]; };
+    bool isZero = crossings.size() == 2;
+    for (std::size_t k = begin; k < end && isZero; ++k)
+    {
+      isZero = this->ValueAt(corner(k)) == 0.0;
+    }
+    for (std::size_t k = end; k > begin + 1 && isZero; --k)
+    {
+      const Index next = this->AddVertex({ corner(k - 2), 3, 0, 0.0, 0.0, 0.0, true });
+      add(from, next);
+      from = next;
+    }
+    if (!isZero || from != crossings[other].Vertex)
+    {
+      add(from, crossings[other].Vertex);
+    }
   }
   this->CurvesOfFace.back()[1] = static_cast<Index>(this->Curves.size()) - first;
 }
@@ -269,7 +305,7 @@ void ZeroSet::Worker::TraceFlat(const Node& low, int size, int normal)
   const auto c = static_cast<std::size_t>((normal + 2) % 3);
   this->FaceKeys.Number({ low[0], low[1], low[2], 3 + normal });
   const auto vertexAt = [this](const Node& node) {
-    return this->AddVertex({ node, 3, 0, 0.0, 0.0 });
+    return this->AddVertex({ node, 3, 0, 0.0, 0.0, 0.0, true });
   };
   const auto side = [&](const Node& from, std::size_t axis, bool forward)
   {
@@ -279,8 +315,8 @@ void ZeroSet::Worker::TraceFlat(const Node& low, int size, int normal)
       {
         Node end = at;
         end[axis] += length;
-        curves.push_back(
-          { vertexAt(forward ? at : end), vertexAt(forward ? end : at), 0, 0, normal, true });
+        curves.push_back({ vertexAt(forward ? at : end), vertexAt(forward ? end : at), 0, 0, normal,
+          true, false, {}, low[static_cast<std::size_t>(normal)], -1 });
       });
     if (!forward)
     {
@@ -353,64 +389,39 @@ void ZeroSet::Worker::CollectNodes()
   }
 }
 
-std::vector<std::array<int, 2>> ZeroSet::Worker::NodesOn(int side) const
+bool ZeroSet::Worker::Learn(const Node& node)
 {
-  const auto d = static_cast<std::size_t>(side / 2);
-  const CellLines& lines = this->Lines[d];
-  const int line = (side % 2 != 0) != lines.IsMirrored() ? lines.Length() : 0;
-  std::vector<std::array<int, 2>> nodes;
-  for (const Node& node : this->NodeAt)
+  const bool isNew = this->AddNode(node);
+  if (isNew)
   {
-    if (node[d] == line)
-    {
-      nodes.push_back({ node[d == 0 ? 1 : 0], node[d == 2 ? 1 : 2] });
-    }
+    this->FromOutside.push_back(node);
   }
-  return nodes;
+  return isNew;
 }
 
-bool ZeroSet::Worker::AddNodes(int side, const std::vector<std::array<int, 2>>& nodes)
+bool ZeroSet::Worker::FindValues()
 {
-  const auto d = static_cast<std::size_t>(side / 2);
-  const CellLines& lines = this->Lines[d];
-  bool any = false;
-  for (const auto& [first, second] : nodes)
-  {
-    Node node{};
-    node[d] = (side % 2 != 0) != lines.IsMirrored() ? lines.Length() : 0;
-    node[d == 0 ? 1 : 0] = first;
-    node[d == 2 ? 1 : 2] = second;
-    if (this->AddNode(node))
+  Eigen::Matrix3Xd parameters(3, static_cast<Index>(this->NodeAt.size()));
+  this->NodeValues.resize(this->Nodes.Count());
+  return this->Parallel(static_cast<Index>(this->NodeValues.size()), Batch,
+    [&](Index begin, Index end)
     {
-      this->FromOutside.push_back(node);
-      any = true;
-    }
-  }
-  return any;
+      for (Index i = begin; i < end; ++i)
+      {
+        parameters.col(i) = this->ParameterOf(this->NodeAt[static_cast<std::size_t>(i)]);
+      }
+      this->Field.Evaluate(static_cast<std::size_t>(end - begin), parameters.col(begin).data(),
+        &this->NodeValues[static_cast<std::size_t>(begin)]);
+    });
 }
 
-bool ZeroSet::Worker::Trace()
+bool ZeroSet::Worker::TraceFaces()
 {
   this->VertexKeys.Clear();
   this->FaceKeys.Clear();
   this->CurvesOfFace.clear();
   this->Vertices.clear();
   this->Curves.clear();
-  Eigen::Matrix3Xd parameters(3, static_cast<Index>(this->NodeAt.size()));
-  this->NodeValues.resize(this->Nodes.Count());
-  if (!this->Parallel(static_cast<Index>(this->NodeValues.size()), Batch,
-        [&](Index begin, Index end)
-        {
-          for (Index i = begin; i < end; ++i)
-          {
-            parameters.col(i) = this->ParameterOf(this->NodeAt[static_cast<std::size_t>(i)]);
-          }
-          this->Field.Evaluate(static_cast<std::size_t>(end - begin), parameters.col(begin).data(),
-            &this->NodeValues[static_cast<std::size_t>(begin)]);
-        }))
-  {
-    return false;
-  }
   this->LargestValue = 0.0;
   for (const double value : this->NodeValues)
   {
@@ -457,10 +468,46 @@ bool ZeroSet::Worker::Trace()
         });
     }
   }
-  if (!this->FindVertices())
+  this->FindEdgeCurves();
+  return this->FindVertices();
+}
+
+void ZeroSet::Worker::FindEdgeCurves()
+{
+  // Curves from node to node along the edge in which two creases meet: each of their faces has one
+  // of its own. Where f is 0 in the middle too, they are that edge.
+  for (std::size_t c = 0; c < this->Curves.size(); ++c)
   {
-    return false;
+    const Vertex& from = this->Vertices[static_cast<std::size_t>(this->Curves[c].From)];
+    const Vertex& to = this->Vertices[static_cast<std::size_t>(this->Curves[c].To)];
+    if (!this->Curves[c].IsOnCrease || from.Axis != 3 || to.Axis != 3)
+    {
+      continue;
+    }
+    const auto& [low, high] = std::minmax(from.At, to.At);
+    int axis = -1;
+    int differing = 0;
+    bool creases = true;
+    for (const int d : this->Axes)
+    {
+      const auto D = static_cast<std::size_t>(d);
+      const bool differs = low[D] != high[D];
+      axis = differs ? d : axis;
+      differing += differs ? 1 : 0;
+      creases = creases && (differs || this->Lines[D].IsCrease(low[D]));
+    }
+    if (differing == 1 && creases)
+    {
+      const auto D = static_cast<std::size_t>(axis);
+      const Vertex middle{ low, 4 + axis, high[D] - low[D], 0.0, 0.0, 0.5, false };
+      this->Curves[c].EdgeAxis = axis;
+      this->AddVertex(middle);
+    }
   }
+}
+
+bool ZeroSet::Worker::FollowCurves()
+{
   this->Snap();
   return this->FindCurves();
 }
@@ -491,6 +538,13 @@ bool ZeroSet::Worker::FindVertices()
       {
         const Vertex& vertex = this->Vertices[static_cast<std::size_t>(v)];
         this->Shared.Parameters.col(v) = this->ParameterOf(vertex.At);
+        if (vertex.Axis > 3)
+        {
+          const int axis = vertex.Axis - 4;
+          const int line = vertex.At[static_cast<std::size_t>(axis)];
+          double& middle = this->Shared.Parameters(axis, v);
+          middle = 0.5 * (middle + this->Line(axis, line + vertex.Size));
+        }
         if (vertex.Axis < 3)
         {
           const auto axis = static_cast<std::size_t>(vertex.Axis);
@@ -575,6 +629,18 @@ bool ZeroSet::Worker::FindVertices()
         open.resize(kept);
       }
       this->Evaluate(this->Shared, begin, end);
+      for (Index v = begin; v < end; ++v)
+      {
+        Vertex& vertex = this->Vertices[static_cast<std::size_t>(v)];
+        if (vertex.Axis < 3)
+        {
+          const int line = vertex.At[static_cast<std::size_t>(vertex.Axis)];
+          const double low = this->Line(vertex.Axis, line);
+          const double high = this->Line(vertex.Axis, line + vertex.Size);
+          vertex.Fraction = (this->Shared.Parameters(vertex.Axis, v) - low) / (high - low);
+        }
+        vertex.IsZero = this->Shared.Residuals[v] == 0.0;
+      }
     });
 }
 
@@ -586,19 +652,18 @@ void ZeroSet::Worker::Snap()
   for (std::size_t v = 0; v < this->Vertices.size(); ++v)
   {
     const Vertex& vertex = this->Vertices[v];
+    if (vertex.Axis > 3)
+    {
+      continue;
+    }
     Node node = vertex.At;
     if (vertex.Axis < 3)
     {
-      const auto axis = static_cast<std::size_t>(vertex.Axis);
-      const double low = this->Line(vertex.Axis, node[axis]);
-      const double high = this->Line(vertex.Axis, node[axis] + vertex.Size);
-      const double x = this->Shared.Parameters(vertex.Axis, static_cast<Index>(v));
-      const double t = (x - low) / (high - low);
-      if (t > Near && t < 1.0 - Near)
+      if (vertex.Fraction > Near && vertex.Fraction < 1.0 - Near)
       {
         continue;
       }
-      node[axis] += t > 0.5 ? vertex.Size : 0;
+      node[static_cast<std::size_t>(vertex.Axis)] += vertex.Fraction > 0.5 ? vertex.Size : 0;
     }
     around.emplace_back(node, static_cast<Index>(v));
   }
@@ -629,11 +694,14 @@ void ZeroSet::Worker::Snap()
       around.begin() + static_cast<std::ptrdiff_t>(end),
       [&](const auto& a, const auto& b)
       {
-        // By places, not numbers: so both sides of a face choose the same.
-        const Vertex& va = this->Vertices[static_cast<std::size_t>(a.second)];
-        const Vertex& vb = this->Vertices[static_cast<std::size_t>(b.second)];
-        return std::make_tuple(leaves(a.second), va.Axis, va.At) <
-          std::make_tuple(leaves(b.second), vb.Axis, vb.At);
+        // By place in space, which all patches around have the same bits of.
+        const auto place = [this](Index v) -> std::array<double, 3>
+        {
+          const auto x = this->Shared.Points.col(v);
+          return { x[0], x[1], x[2] };
+        };
+        return std::make_tuple(leaves(a.second), place(a.second)) <
+          std::make_tuple(leaves(b.second), place(b.second));
       });
     for (std::size_t i = first; i < end; ++i)
     {
@@ -644,39 +712,57 @@ void ZeroSet::Worker::Snap()
       }
     }
   }
-  this->CurveOf.resize(this->Curves.size());
+  // Curves with the same ends become one, except that of creases those in one plane only (which is
+  // all that the patch on the other side of it sees), and of edges those that are that edge.
+  constexpr int Anywhere = 0;
+  constexpr int OnEdge = -1;
+  this->CurveOf.assign(this->Curves.size(), -1);
   Numbering ends;
   std::vector<Index> firstOf;
-  for (std::size_t c = 0; c < this->Curves.size(); ++c)
+  const auto join = [&](std::size_t c, int where, bool isNewAnywhere)
   {
-    Curve& curve = this->Curves[c];
-    curve.From = vertexOf[static_cast<std::size_t>(curve.From)];
-    curve.To = vertexOf[static_cast<std::size_t>(curve.To)];
-    if (curve.From == curve.To)
-    {
-      this->CurveOf[c] = -1;
-      continue;
-    }
-    const auto [low, high] = std::minmax(curve.From, curve.To);
+    const auto [low, high] = std::minmax(this->Curves[c].From, this->Curves[c].To);
     const auto [number, isNew] =
-      ends.Number({ static_cast<int>(low), static_cast<int>(high), 0, 0 });
+      ends.Number({ static_cast<int>(low), static_cast<int>(high), where, 0 });
     if (isNew)
     {
       firstOf.push_back(static_cast<Index>(c));
     }
-    const Index same = firstOf[static_cast<std::size_t>(number)];
-    if (!isNew && curve.IsOnCrease)
+    if (isNewAnywhere)
     {
-      // The one that has to stay in a plane is right for all.
-      Curve& kept = this->Curves[static_cast<std::size_t>(same)];
-      if (!kept.IsOnCrease)
+      this->CurveOf[c] = firstOf[static_cast<std::size_t>(number)];
+    }
+  };
+  for (const bool onCrease : { true, false })
+  {
+    for (std::size_t c = 0; c < this->Curves.size(); ++c)
+    {
+      Curve& curve = this->Curves[c];
+      if (curve.IsOnCrease != onCrease)
       {
-        kept.IsOnCrease = true;
-        kept.Normal = curve.Normal;
-        kept.IsShared = curve.IsShared;
+        continue;
+      }
+      if (curve.EdgeAxis >= 0)
+      {
+        const Node& at = std::min(this->Vertices[static_cast<std::size_t>(curve.From)].At,
+          this->Vertices[static_cast<std::size_t>(curve.To)].At);
+        const Index middle = this->VertexKeys.Find({ at[0], at[1], at[2], 4 + curve.EdgeAxis });
+        curve.EdgeAxis =
+          this->Vertices[static_cast<std::size_t>(middle)].IsZero ? curve.EdgeAxis : -1;
+      }
+      curve.From = vertexOf[static_cast<std::size_t>(curve.From)];
+      curve.To = vertexOf[static_cast<std::size_t>(curve.To)];
+      if (curve.From == curve.To)
+      {
+        continue;
+      }
+      const int plane = 1 + curve.Normal + 3 * (curve.Line / CellLines::RootSize);
+      join(c, !onCrease ? Anywhere : curve.EdgeAxis >= 0 ? OnEdge : plane, true);
+      if (onCrease)
+      {
+        join(c, Anywhere, false); // for those that are not on a crease
       }
     }
-    this->CurveOf[c] = same;
   }
 }
 
@@ -785,7 +871,7 @@ void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
       double best = -1.0;
       for (const int d : this->Axes)
       {
-        if (curve(k).IsOnCrease && d == curve(k).Normal)
+        if ((curve(k).IsOnCrease && d == curve(k).Normal) || d == curve(k).EdgeAxis)
         {
           continue;
         }
@@ -855,6 +941,16 @@ void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
       }
     }
     this->Project(samples.Parameters, axes, projected);
+    for (const std::size_t k : open)
+    {
+      for (Index i = 0; i < wanted[k] && curve(k).EdgeAxis >= 0; ++i)
+      {
+        // An edge is where it is.
+        samples.Parameters(axisOf[k], offset[k] + i) =
+          this->Shared.Parameters(axisOf[k], curve(k).From);
+        projected[static_cast<std::size_t>(offset[k] + i)] = 1;
+      }
+    }
     this->Evaluate(samples, 0, total);
     this->MeasureCurves(begin, open, offset, wanted, samples, axisOf, { 0.5 }, errors);
     next.clear();
@@ -932,8 +1028,6 @@ void ZeroSet::Worker::MeasureCurves(Index begin, const std::vector<std::size_t>&
   middles.SetZero(*this, total);
   middles.Axes.resize(static_cast<std::size_t>(total));
   middles.Chords.setZero(3, total);
-  middles.Slopes = middles.Attributes;
-  middles.IsShared.assign(static_cast<std::size_t>(total), 0);
   Index at = 0;
   for (const std::size_t k : which)
   {
@@ -956,15 +1050,7 @@ void ZeroSet::Worker::MeasureCurves(Index begin, const std::vector<std::size_t>&
         middles.Axes[static_cast<std::size_t>(at)] = axisOf[k];
         if (outline)
         {
-          const Eigen::Vector3d chord = to->Points.col(b) - from->Points.col(a);
-          const double length = chord.norm();
-          middles.Chords.col(at) = chord.normalized();
-          middles.IsShared[static_cast<std::size_t>(at)] = curve.IsShared ? 1 : 0;
-          for (std::size_t s = 0; s < middles.Slopes.size() && length > 0.0; ++s)
-          {
-            middles.Slopes[s].col(at) =
-              (to->Attributes[s].col(b) - from->Attributes[s].col(a)) / length;
-          }
+          middles.Chords.col(at) = (to->Points.col(b) - from->Points.col(a)).normalized();
         }
         ++at;
       }

@@ -409,7 +409,7 @@ void ZeroSet::Worker::FillPolygon(const std::vector<Index>& loop, Facets& facets
 
 void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors) const
 {
-  const auto& [parameters, points, attributes, axes, slopes, isShared, chords] = middles;
+  const auto& [parameters, points, attributes, axes, chords] = middles;
   // From the middle of the parameters one step onto f = 0, then the distance across the surface.
   const Index count = parameters.cols();
   const auto n = static_cast<std::size_t>(count);
@@ -440,7 +440,6 @@ void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors
   }
   this->Geometry.EvaluateWithDerivatives(n, at.data(), X.data(), D.data());
   std::vector<Eigen::Vector3d> tangential(n);
-  std::vector<double> along(n);
   for (Index i = 0; i < count; ++i)
   {
     Eigen::Vector3d off = points.col(i);
@@ -455,12 +454,8 @@ void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors
       distance = (off - off.dot(chords.col(i)) * chords.col(i)).norm();
     }
     errors[static_cast<std::size_t>(i)] = { distance, 0.0 };
-    // Of a curve in a common face two patches must think the same.
-    const bool shared = isCurve && isShared[static_cast<std::size_t>(i)] != 0;
-    along[static_cast<std::size_t>(i)] = shared ? off.dot(chords.col(i)) : 0.0;
-    tangential[static_cast<std::size_t>(i)] = shared ? Eigen::Vector3d::Zero()
-      : hasNormal                                    ? Eigen::Vector3d(off - across * normal)
-                                                     : off;
+    tangential[static_cast<std::size_t>(i)] =
+      hasNormal ? Eigen::Vector3d(off - across * normal) : off;
   }
   for (std::size_t a = 0; a < this->Attributes.size(); ++a)
   {
@@ -491,7 +486,6 @@ void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors
       for (int c = 0; c < components; ++c)
       {
         double value = exact(c, i);
-        value += slopes.empty() ? 0.0 : slopes[a](c, i) * along[static_cast<std::size_t>(i)];
         for (int d = 0; d < 3; ++d)
         {
           value += slope(components * d + c, i) * du[d];

@@ -10,9 +10,70 @@
 namespace hyperpatch
 {
 
+bool ZeroSet::Worker::FillAndAssemble()
+{
+  if (!this->Fill())
+  {
+    return false;
+  }
+  this->Assemble();
+  return true;
+}
+
+unsigned ZeroSet::Worker::SidesOf(const std::array<Index, 2>& edge) const
+{
+  unsigned sides = 0;
+  for (const int d : this->Axes)
+  {
+    const double a = this->Shared.Parameters(d, edge[0]);
+    const bool same = a == this->Shared.Parameters(d, edge[1]);
+    sides |= same && a == this->Low[d] ? 1u << (2 * d) : 0u;
+    sides |= same && a == this->High[d] ? 2u << (2 * d) : 0u;
+  }
+  return sides;
+}
+
+void ZeroSet::Worker::FindOpenEdges(const std::vector<Index>& indices)
+{
+  // Inner points are of one piece, whose edges at them are shared by its own triangles.
+  Numbering numbers;
+  std::vector<std::array<Index, 2>> edges;
+  std::vector<int> balance; // how often it goes up, less how often it goes down
+  for (std::size_t first = 0; first < indices.size(); first += 3)
+  {
+    for (std::size_t k = 0; k < 3; ++k)
+    {
+      const Index a = indices[first + k];
+      const Index b = indices[first + (k + 1) % 3];
+      // What has no length is open for nobody.
+      if (a >= 0 && b >= 0 && this->Shared.Points.col(a) != this->Shared.Points.col(b))
+      {
+        const auto [low, high] = std::minmax(a, b);
+        const auto [number, isNew] =
+          numbers.Number({ static_cast<int>(low), static_cast<int>(high), 0, 0 });
+        if (isNew)
+        {
+          edges.push_back({ low, high });
+          balance.push_back(0);
+        }
+        balance[static_cast<std::size_t>(number)] += a < b ? 1 : -1;
+      }
+    }
+  }
+  this->OpenEdges.clear();
+  for (std::size_t e = 0; e < edges.size(); ++e)
+  {
+    for (int left = balance[e]; left != 0; left += left > 0 ? -1 : 1)
+    {
+      const auto& [low, high] = edges[e];
+      this->OpenEdges.push_back({ left > 0 ? low : high, left > 0 ? high : low });
+    }
+  }
+}
+
 void ZeroSet::Worker::Assemble()
 {
-  this->Certificate = ZeroSetCertificate();
+  this->Certificate = this->Taken;
   this->Certificate.UndecidedCells = this->Undecided;
   this->Certificate.ToleranceReached = !this->WasCapped;
   const int axes = static_cast<int>(this->Axes.size());
@@ -73,6 +134,11 @@ void ZeroSet::Worker::Assemble()
     }
   }
   const auto count = static_cast<Index>(leafOf.size());
+  this->OpenEdges.clear();
+  if (axes == 3)
+  {
+    this->FindOpenEdges(indices);
+  }
 
   // Shared points that are used, once per side of the creases they lie on.
   const Index shared = this->Shared.Count();

@@ -20,7 +20,7 @@
 /// The inside of ZeroSet, private to the files that hold it, in the order of the work:
 /// ZeroSetSearch.cxx finds the boxes that hold the surface, ZeroSetCurves.cxx its points on their
 /// edges and its curves in their faces, ZeroSetFacets.cxx meshes it inside them, ZeroSetMesh.cxx
-/// joins the pieces.
+/// joins the pieces. ZeroSetGroup.cxx does so with several at once, and lets them agree in between.
 
 namespace hyperpatch
 {
@@ -33,24 +33,27 @@ public:
   Worker(std::shared_ptr<const PreparedAggregate> body, const ScalarField& field,
     ZeroSetOptions options);
 
-  void MakeLines(const std::array<bool, 3>& mirrored);
+  bool Extract();
+  void SetLines(std::array<CellLines, 3> lines);
   bool Search();
-  [[nodiscard]] std::vector<std::array<int, 2>> NodesOn(int side) const;
-  bool AddNodes(int side, const std::vector<std::array<int, 2>>& nodes);
-  bool Finish();
   bool Refine();
 
-  std::array<int, 3> Roots{};
   ZeroSetMesh Mesh;
   ZeroSetCertificate Certificate;
 
 private:
+  friend class ZeroSetGroup;
+
   /// Points per call of a field or evaluator.
   static constexpr Index Batch = 256;
   /// The share of a tolerance that is aimed at: it is measured at a few points of each cell only.
   static constexpr double Target = 0.85;
   /// The error of a triangle whose edges have the chord error 1 (equilateral, on a sphere).
   static constexpr double InnerChord = 4.0 / 3.0;
+  /// No more root cells per direction than this for each in the shortest one.
+  static constexpr double LargestAspect = 64.0;
+  /// How often it is worth while to halve the boxes in which a tolerance was missed.
+  static constexpr int MostRefinements = 6;
 
   /// A place where lines of the three directions meet.
   using Node = std::array<int, 3>;
@@ -89,9 +92,7 @@ private:
   {
     Eigen::Matrix3Xd Parameters, Points;
     std::vector<Eigen::MatrixXd> Attributes;
-    std::vector<int> Axes;               ///< to find the surface along; empty: along the steepest
-    std::vector<Eigen::MatrixXd> Slopes; ///< of attributes along the chords
-    std::vector<char> IsShared;          ///< know nothing of what is beside the chord
+    std::vector<int> Axes;   ///< to find the surface along; empty: along the steepest
     Eigen::Matrix3Xd Chords; ///< directions of cells whose error is across them in space, or zero
 
     void SetZero(const Worker& worker, Index count);
@@ -115,7 +116,8 @@ private:
     bool IsOnCrease;        ///< the face is one of the domain or a crease
     bool HasFailed = false; ///< it could not be followed from end to end
     Error Measured{};       ///< of its chords
-    bool IsShared = false;  ///< the face is a side beyond which the model goes on
+    int Line = 0;           ///< where the face crosses the axis
+    int EdgeAxis = -1;      ///< of the edge of boxes that it is, where two creases meet
   };
 
   /// The curvature of the surface around a point, as a graph over the two other directions.
@@ -144,6 +146,9 @@ private:
   /// Scratch of one thread.
   struct Scratch;
 
+  /// The number of root cells of a direction, about, for those of the shortest to be cubes.
+  static double RootsFor(double length, double shortest);
+
   /// Calls body(begin, end) in parallel and stops early when aborted.
   bool Parallel(Index count, Index grain, const std::function<void(Index, Index)>& body) const;
 
@@ -171,7 +176,12 @@ private:
   // Curves: ZeroSetCurves.cxx
   void CollectNodes();
   bool AddNode(const Node& node);
-  bool Trace();
+  /// A node of a neighbor. Whether it is new.
+  bool Learn(const Node& node);
+  bool FindValues();
+  /// Vertices and their curves, which are only chords yet.
+  bool TraceFaces();
+  void FindEdgeCurves();
   [[nodiscard]] bool IsNode(const Node& node) const
   {
     return this->Nodes.Find({ node[0], node[1], node[2], 0 }) >= 0;
@@ -194,6 +204,8 @@ private:
   /// Whether a line is a side beyond which the model goes on.
   [[nodiscard]] bool GoesOn(int direction, int line) const;
   bool FindVertices();
+  /// Snap() and FindCurves().
+  bool FollowCurves();
   /// Joins vertices that lie close together around a node, and the curves that become one by that.
   void Snap();
   bool FindCurves();
@@ -250,7 +262,12 @@ private:
   void Measure(const Middles& middles, std::vector<Error>& errors) const;
 
   // Mesh: ZeroSetMesh.cxx
+  bool FillAndAssemble();
   void Assemble();
+  /// The edges of cells that no other cell has on its other side.
+  void FindOpenEdges(const std::vector<Index>& indices);
+  /// Bits of the sides of the domain (0..5) that an edge of shared points lies in.
+  [[nodiscard]] unsigned SidesOf(const std::array<Index, 2>& edge) const;
   void MendNormals();
 
   [[nodiscard]] double Line(int direction, int line) const
@@ -271,10 +288,12 @@ private:
   std::vector<int> Axes; ///< the directions that are there
   std::array<std::vector<double>, 3> BreakAt;
   std::array<std::vector<bool>, 3> IsCreaseAt;
+  std::array<double, 3> Lengths{};  ///< of the lines through the middle of the domain, in space
+  std::array<bool, 6> GoesBeyond{}; ///< per side, whether the model goes on beyond it
   std::array<CellLines, 3> Lines;
   Eigen::Vector3d Scale;     ///< of parameters: 1 is the width of a root cell
   Eigen::Vector3d Low, High; ///< the domain
-  double DomainWidth = 0.0;  ///< the longest line through the middle of it, in space
+  double DomainWidth = 0.0;  ///< the longest of Lengths
 
   std::int64_t Undecided = 0;
   bool WasCapped = false;
@@ -287,9 +306,11 @@ private:
   struct Vertex
   {
     Node At;
-    int Axis; ///< 3: the node itself
+    int Axis; ///< 3: the node itself; 4 + axis: the middle of an edge that may be a curve
     int Size;
     double FLow, FHigh;
+    double Fraction = 0.0; ///< where on the edge, from line to line
+    bool IsZero = false;   ///< whether f is 0 there
   };
   std::vector<Vertex> Vertices; ///< the first shared points
   Numbering VertexKeys;         ///< lower node and axis
@@ -298,7 +319,9 @@ private:
   std::vector<std::array<Index, 2>> CurvesOfFace; ///< first and count
   std::vector<Index> CurveOf; ///< the first of the curves with the same ends; -1: no length
   Samples Shared;
-  std::vector<Facets> Pieces; ///< per leaf
+  std::vector<Facets> Pieces;                  ///< per leaf
+  ZeroSetCertificate Taken;                    ///< errors of points that were taken from neighbors
+  std::vector<std::array<Index, 2>> OpenEdges; ///< of shared points, as they turn
 };
 
 }

@@ -49,22 +49,49 @@ TEST(CellLines, CreasesAreLinesOfRootCells)
   EXPECT_GE(lines.NumberOfRoots(), 4);
 }
 
-TEST(CellLines, MirroredBreaksHaveMirroredLines)
+TEST(CellLines, DirectionsThatMeetHaveTheSameLines)
 {
   const std::vector<double> breaks{ 0.0, 0.125, 0.25, 0.75, 1.0 };
-  std::vector<double> turned;
-  for (auto b = breaks.rbegin(); b != breaks.rend(); ++b)
+  const CellLines lines(breaks, { false, false, true, false, false }, 3);
+  std::vector<double> longer;
+  std::vector<double> against;
+  for (const double b : breaks)
   {
-    turned.push_back(1.0 - *b);
+    longer.push_back(4.0 * b + 1.0);
+    against.push_back(1.0 - b);
   }
-  const std::vector<bool> isCrease{ false, false, true, false, false };
-  const CellLines lines(breaks, isCrease, 3);
-  const CellLines mirrored(turned, isCrease, 3, true);
+  const CellLines along = lines.On(longer, 0, lines.NumberOfRoots());
+  const CellLines mirrored = lines.On(against, 0, lines.NumberOfRoots());
+  EXPECT_FALSE(along.IsMirrored());
+  EXPECT_TRUE(mirrored.IsMirrored());
   ASSERT_EQ(lines.Length(), mirrored.Length());
   for (int i = 0; i <= 64; ++i)
   {
     const int line = lines.Length() / 64 * i;
+    EXPECT_EQ(along.Parameter(line), 4.0 * lines.Parameter(line) + 1.0);
     EXPECT_EQ(mirrored.Parameter(line), 1.0 - lines.Parameter(line));
+    EXPECT_EQ(mirrored.IsCrease(line), lines.IsCrease(line));
+  }
+}
+
+TEST(CellLines, APartHasTheLinesOfTheWhole)
+{
+  const std::vector<double> breaks{ 0.0, 0.125, 0.25, 0.75, 1.0 };
+  const CellLines lines(breaks, { false, false, true, false, false }, 5);
+  int crease = 1;
+  while (!lines.IsCrease(crease * CellLines::RootSize))
+  {
+    ++crease;
+  }
+  const CellLines below = lines.On(breaks, 0, crease);
+  const CellLines above = lines.On(breaks, crease, lines.NumberOfRoots());
+  EXPECT_EQ(below.Parameter(below.Length()), 0.25);
+  EXPECT_TRUE(below.IsCrease(below.Length()));
+  EXPECT_EQ(below.Length() + above.Length(), lines.Length());
+  for (int i = 0; i <= 64; ++i)
+  {
+    const int line = above.Length() / 64 * i;
+    EXPECT_EQ(above.Parameter(line), lines.Parameter(below.Length() + line));
   }
 }
 
