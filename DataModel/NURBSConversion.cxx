@@ -28,9 +28,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 namespace hyperpatch
@@ -222,9 +225,16 @@ Eigen::MatrixXd ReadColumns(vtkDataArray* array, Eigen::Index count, PointOf&& p
   return columns;
 }
 
-vtkIdType SamePoint(Eigen::Index i)
+/// All tuples of an array as columns.
+Eigen::MatrixXd ReadColumns(vtkDataArray* array)
 {
-  return static_cast<vtkIdType>(i);
+  const vtkIdType count = array->GetNumberOfTuples();
+  if (auto doubles = vtkDoubleArray::SafeDownCast(array))
+  {
+    return Eigen::Map<const Eigen::MatrixXd>(
+      doubles->GetPointer(0), array->GetNumberOfComponents(), count);
+  }
+  return ReadColumns(array, count, [](Eigen::Index i) { return static_cast<vtkIdType>(i); });
 }
 
 /// True for point arrays that are fields of the user's.
@@ -236,11 +246,11 @@ bool IsAttribute(vtkDataArray* array)
     text.compare(0, 3, "vtk") != 0;
 }
 
-/// A lattice as one spline per array, all in one basis; the points are the first.
+/// A lattice as one spline per array, all in one basis.
 struct Lattice
 {
   Layout Header;
-  Spline Points;
+  std::optional<Spline> Points; ///< of a geometry; those of attributes are for looking at
   std::vector<Attribute> Arrays;
 };
 
@@ -249,7 +259,6 @@ Lattice ReadLattice(vtkStructuredGrid* grid)
   Layout layout = ReadLayout(grid);
   std::array<int, 3> dimensions{};
   grid->GetDimensions(dimensions.data());
-  const Eigen::Index count = grid->GetNumberOfPoints();
   if (dimensions != layout.Dimensions)
   {
     throw ChangedLattice("it has " + DimensionsText(dimensions) + " points, its knots are for " +
@@ -266,7 +275,7 @@ Lattice ReadLattice(vtkStructuredGrid* grid)
         " is rational but its lattice has no point data array " + WeightName +
         ": an upstream filter (Pass Arrays, Point To Cell) has dropped it");
     }
-    weights = ReadColumns(array, count, SamePoint).transpose();
+    weights = ReadColumns(array).transpose();
   }
   std::vector<Attribute> arrays;
   for (int a = 0; a < grid->GetPointData()->GetNumberOfArrays(); ++a)
@@ -274,11 +283,14 @@ Lattice ReadLattice(vtkStructuredGrid* grid)
     vtkDataArray* array = grid->GetPointData()->GetArray(a);
     if (IsAttribute(array))
     {
-      arrays.push_back(
-        { array->GetName(), Spline(knots, ReadColumns(array, count, SamePoint), weights) });
+      arrays.push_back({ array->GetName(), Spline(knots, ReadColumns(array), weights) });
     }
   }
-  Spline points(knots, ReadColumns(grid->GetPoints()->GetData(), count, SamePoint), weights);
+  std::optional<Spline> points;
+  if (layout.Role == Layout::Geometry)
+  {
+    points.emplace(knots, ReadColumns(grid->GetPoints()->GetData()), weights);
+  }
   return { layout, std::move(points), std::move(arrays) };
 }
 
@@ -309,14 +321,14 @@ Patch MakePatch(Lattice&& geometry, std::vector<Lattice*> others, Domains domain
   }
   if (domains == Domains::Normalised)
   {
-    geometry.Points = OnUnitCube(std::move(geometry.Points));
+    geometry.Points = OnUnitCube(*std::move(geometry.Points));
     for (Attribute& attribute : attributes)
     {
       attribute.Field = OnUnitCube(std::move(attribute.Field));
     }
   }
   const Layout& layout = geometry.Header;
-  Patch patch{ layout.PatchId, Aggregate(std::move(geometry.Points), std::move(attributes)) };
+  Patch patch{ layout.PatchId, Aggregate(*std::move(geometry.Points), std::move(attributes)) };
   patch.FirstSpan = layout.FirstSpan;
   patch.WholeSpans = layout.WholeSpans;
   for (std::size_t side = 0; side < patch.IsDomainFace.size(); ++side)
@@ -578,19 +590,16 @@ vtkSmartPointer<vtkDoubleArray> MakeArray(const char* name, const Eigen::MatrixX
   return array;
 }
 
-/// Points of 1 to 3 coordinates, those that are not there 0.
-vtkSmartPointer<vtkPoints> MakePoints(const Eigen::MatrixXd& columns)
+/// A geometry of 1 to 3 coordinates with all of them, those that are not there 0.
+Spline InSpace(const Spline& geometry)
 {
-  auto points = vtkSmartPointer<vtkPoints>::New();
-  Eigen::MatrixXd inSpace = Eigen::MatrixXd::Zero(3, columns.cols());
-  inSpace.topRows(columns.rows()) = columns;
-  points->SetData(MakeArray("Points", inSpace));
-  return points;
+  Eigen::MatrixXd points = Eigen::MatrixXd::Zero(3, geometry.NumberOfControlPoints());
+  points.topRows(geometry.Components()) = geometry.Coefficients();
+  return Spline(geometry.Knots(), std::move(points), geometry.Weights());
 }
 
-/// A lattice without its attributes.
-vtkSmartPointer<vtkStructuredGrid> MakeGrid(
-  const Patch& patch, int role, const Spline& basis, vtkPoints* points)
+/// A lattice without points and attributes.
+vtkSmartPointer<vtkStructuredGrid> MakeGrid(const Patch& patch, int role, const Spline& basis)
 {
   Layout layout;
   layout.Role = role;
@@ -611,7 +620,6 @@ vtkSmartPointer<vtkStructuredGrid> MakeGrid(
 
   auto grid = vtkSmartPointer<vtkStructuredGrid>::New();
   grid->SetDimensions(layout.Dimensions.data());
-  grid->SetPoints(points);
   if (basis.IsRational())
   {
     grid->GetPointData()->AddArray(MakeArray(WeightName, basis.Weights().transpose()));
@@ -637,34 +645,47 @@ vtkSmartPointer<vtkStructuredGrid> MakeGrid(
   return grid;
 }
 
-/// Greville points of a basis, mapped through the geometry.
-vtkSmartPointer<vtkPoints> GrevillePoints(const Spline& geometry, const Spline& basis)
+/// Greville points of a basis, mapped through a geometry in space, for looking at. They may be as
+/// many as the voxels of an image, so their precision is single where that shows no difference.
+vtkSmartPointer<vtkPoints> GrevillePoints(
+  const Spline& geometry, const std::array<KnotVector, 3>& basis)
 {
   std::array<std::vector<double>, 3> parameters;
-  for (int d = 0; d < 3; ++d)
+  for (std::size_t d = 0; d < 3; ++d)
   {
-    const KnotVector& knots = basis.Knots(d);
+    const KnotVector& knots = basis[d];
     for (int i = 0; i < knots.Size(); ++i)
     {
       // Of an unclamped basis, the outer ones lie outside the domain.
-      parameters[static_cast<std::size_t>(d)].push_back(
-        std::clamp(knots.Greville(i), knots.First(), knots.Last()));
+      parameters[d].push_back(std::clamp(knots.Greville(i), knots.First(), knots.Last()));
     }
   }
-  if (geometry.Components() < 3)
-  {
-    Eigen::MatrixXd points(geometry.Components(), basis.NumberOfControlPoints());
-    Evaluator(geometry).EvaluateGrid(parameters, points.data());
-    return MakePoints(points);
-  }
-  // There may be as many as voxels of an image: no copies.
-  vtkNew<vtkDoubleArray> array;
-  array->SetName("Points");
-  array->SetNumberOfComponents(3);
-  array->SetNumberOfTuples(basis.NumberOfControlPoints());
-  Evaluator(geometry).EvaluateGrid(parameters, array->GetPointer(0));
+  const Eigen::MatrixXd& control = geometry.Coefficients();
+  const double diagonal = (control.rowwise().maxCoeff() - control.rowwise().minCoeff()).norm();
+  const double largest = control.cwiseAbs().maxCoeff();
+  const bool isSingle = std::numeric_limits<float>::epsilon() * largest <= 1e-6 * diagonal &&
+    largest < std::numeric_limits<float>::max();
+
+  const Evaluator evaluator(geometry);
+  const auto layer = static_cast<Eigen::Index>(parameters[0].size() * parameters[1].size());
+  const Eigen::Index layers = static_cast<Eigen::Index>(parameters[2].size());
   auto points = vtkSmartPointer<vtkPoints>::New();
-  points->SetData(array);
+  points->SetDataType(isSingle ? VTK_FLOAT : VTK_DOUBLE);
+  points->SetNumberOfPoints(layer * layers);
+  const auto fill = [&](auto* target)
+  {
+    std::vector<double> values(static_cast<std::size_t>(3 * layer));
+    for (Eigen::Index k = 0; k < layers; ++k)
+    {
+      const double w = parameters[2][static_cast<std::size_t>(k)];
+      evaluator.EvaluateGrid({ parameters[0], parameters[1], { w } }, values.data());
+      using Number = std::remove_pointer_t<decltype(target)>;
+      std::transform(values.begin(), values.end(), target + 3 * layer * k,
+        [](double x) { return static_cast<Number>(x); });
+    }
+  };
+  isSingle ? fill(static_cast<float*>(points->GetVoidPointer(0)))
+           : fill(static_cast<double*>(points->GetVoidPointer(0)));
   return points;
 }
 
@@ -802,7 +823,7 @@ std::vector<std::string> OwnBasisAttributes(const MultiPatch& model)
   return { names.begin(), names.end() };
 }
 
-void ToVTK(const MultiPatch& model, vtkPartitionedDataSetCollection* output,
+void ToVTK(MultiPatch model, vtkPartitionedDataSetCollection* output,
   const std::vector<std::string>& attributeDatasets)
 {
   std::vector<std::string> own = OwnBasisAttributes(model);
@@ -823,42 +844,50 @@ void ToVTK(const MultiPatch& model, vtkPartitionedDataSetCollection* output,
   std::vector<unsigned int> partitions(1 + own.size(), 0);
   const auto append = [&](std::size_t dataset, vtkStructuredGrid* grid)
   { output->SetPartition(static_cast<unsigned int>(dataset), partitions[dataset]++, grid); };
-  for (const Patch& patch : model.Patches)
+  for (Patch& patch : model.Patches)
   {
-    const Spline& geometry = patch.Body.Geometry();
-    const auto grid =
-      MakeGrid(patch, Layout::Geometry, geometry, MakePoints(geometry.Coefficients()));
+    // Attributes are large: each goes as soon as it is copied.
+    std::vector<Attribute> attributes = std::move(patch.Body).Attributes();
+    const Spline geometry = InSpace(patch.Body.Geometry());
+    const auto grid = MakeGrid(patch, Layout::Geometry, geometry);
+    vtkNew<vtkPoints> points;
+    points->SetData(MakeArray("Points", geometry.Coefficients()));
+    grid->SetPoints(points);
     append(0, grid);
     // Attributes in one basis have their points in common.
-    std::vector<std::pair<const Spline*, vtkSmartPointer<vtkPoints>>> made;
-    const auto pointsOf = [&](const Spline& field) -> vtkPoints*
+    std::vector<std::pair<std::array<KnotVector, 3>, vtkSmartPointer<vtkPoints>>> made;
+    const auto pointsOf = [&](const std::array<KnotVector, 3>& basis) -> vtkPoints*
     {
-      for (const auto& [basis, points] : made)
+      for (const auto& [knots, shared] : made)
       {
-        if (basis->Knots() == field.Knots())
+        if (knots == basis)
         {
-          return points;
+          return shared;
         }
       }
-      made.emplace_back(&field, GrevillePoints(geometry, field));
+      made.emplace_back(basis, GrevillePoints(geometry, basis));
       return made.back().second;
     };
-    for (const Attribute& attribute : patch.Body.Attributes())
+    for (Attribute& item : attributes)
     {
-      const auto values = MakeArray(attribute.Name.c_str(), attribute.Field.Coefficients());
+      const std::string name = item.Name;
+      std::optional<Spline> field = std::move(item.Field);
+      const auto values = MakeArray(name.c_str(), field->Coefficients());
       if (!IsAttribute(values))
       {
-        throw Error("an attribute cannot be named \"" + attribute.Name + "\": rename it");
+        throw Error("an attribute cannot be named \"" + name + "\": rename it");
       }
-      if (SharesBasis(geometry, attribute.Field))
+      if (SharesBasis(geometry, *field))
       {
         grid->GetPointData()->AddArray(values);
         continue;
       }
-      const auto lattice =
-        MakeGrid(patch, Layout::Attribute, attribute.Field, pointsOf(attribute.Field));
+      const auto lattice = MakeGrid(patch, Layout::Attribute, *field);
       lattice->GetPointData()->AddArray(values);
-      const auto found = std::lower_bound(own.begin(), own.end(), attribute.Name);
+      const std::array<KnotVector, 3> knots = field->Knots();
+      field.reset();
+      lattice->SetPoints(pointsOf(knots));
+      const auto found = std::lower_bound(own.begin(), own.end(), name);
       append(1 + static_cast<std::size_t>(found - own.begin()), lattice);
     }
   }

@@ -19,7 +19,8 @@ class vtkPartitionedDataSetCollection;
 /// is rational, and one array per attribute in the geometry's basis. Every attribute that has a
 /// basis of its own in some patch has a partitioned dataset of its name: its coefficients are point
 /// data under that name, with its own `Weight`, and its points are the Greville points of its basis
-/// mapped through the geometry, so that it can be looked at in place.
+/// mapped through the geometry, in single precision as a rule, so that it can be looked at in
+/// place; they are never read.
 ///
 /// Field data of every grid:
 /// - `SplineLayout` (vtkIntArray, 18 values): version (1), role (0 geometry, 1 attribute), patch
@@ -71,11 +72,12 @@ enum class Domains
 /// Fills a collection with a model; FromVTK() gives the same model back, bit by bit, but for
 /// geometries of 1 or 2 components, whose missing coordinates become 0.
 ///
+/// \param model pass an rvalue where attributes are large: no more than one is there twice
 /// \param attributeDatasets attributes that get a partitioned dataset even if no patch here needs
 /// it: all pieces of a model must have the same list of datasets, OwnBasisAttributes() of the whole
 /// \throws Error if an attribute is named Weight or begins with "vtk".
-VTKNURBSDATAMODEL_EXPORT void ToVTK(const MultiPatch& model,
-  vtkPartitionedDataSetCollection* output, const std::vector<std::string>& attributeDatasets = {});
+VTKNURBSDATAMODEL_EXPORT void ToVTK(MultiPatch model, vtkPartitionedDataSetCollection* output,
+  const std::vector<std::string>& attributeDatasets = {});
 
 /// Names of the attributes that have a basis of their own in some patch, ascending.
 [[nodiscard]] VTKNURBSDATAMODEL_EXPORT std::vector<std::string> OwnBasisAttributes(

@@ -12,13 +12,10 @@
 #include "WholeInput.h"
 
 #include "vtkDataArray.h"
-#include "vtkDataObjectAlgorithm.h"
 #include "vtkDataSet.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkInformation.h"
-#include "vtkInformationVector.h"
 #include "vtkObjectFactory.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkTable.h"
 
 #include <algorithm>
@@ -297,38 +294,6 @@ int vtkNURBSAddAttribute::FillInputPortInformation(int port, vtkInformation* inf
   return 1;
 }
 
-int vtkNURBSAddAttribute::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  if (port == 1)
-  {
-    info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkTable");
-    return 1;
-  }
-  return this->Superclass::FillOutputPortInformation(port, info);
-}
-
-int vtkNURBSAddAttribute::RequestDataObject(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  return this->Superclass::RequestDataObject(request, inputVector, outputVector) &&
-      vtkDataObjectAlgorithm::SetOutputDataObject(
-        VTK_TABLE, outputVector->GetInformationObject(1), true)
-    ? 1
-    : 0;
-}
-
-int vtkNURBSAddAttribute::RequestUpdateExtent(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  vtkInformation* source = inputVector[1]->GetInformationObject(0);
-  if (source && source->Has(Pipeline::WHOLE_EXTENT()))
-  {
-    source->Set(Pipeline::UPDATE_EXTENT(), source->Get(Pipeline::WHOLE_EXTENT()), 6);
-  }
-  return this->Superclass::RequestUpdateExtent(request, inputVector, outputVector);
-}
-
 MultiPatch vtkNURBSAddAttribute::ConvertInput(int port, vtkDataObject* input)
 {
   if (port == 0)
@@ -359,8 +324,7 @@ MultiPatch vtkNURBSAddAttribute::MakeModel(const Inputs& inputs)
     attributes.push_back({ this->AttributeName, maker.Make(patch) });
     patch.Body = hyperpatch::Aggregate(patch.Body.Geometry(), std::move(attributes));
   }
-  if (this->GetOutputInformation(0)->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) ==
-    0)
+  if (this->IsFirstPiece())
   {
     report.Fill(vtkTable::SafeDownCast(this->GetOutputDataObject(1))->GetRowData());
   }

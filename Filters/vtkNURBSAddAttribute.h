@@ -130,11 +130,6 @@ protected:
   ~vtkNURBSAddAttribute() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  int FillOutputPortInformation(int port, vtkInformation* info) override;
-  int RequestDataObject(vtkInformation* request, vtkInformationVector** inputVector,
-    vtkInformationVector* outputVector) override;
-  int RequestUpdateExtent(vtkInformation* request, vtkInformationVector** inputVector,
-    vtkInformationVector* outputVector) override;
   hyperpatch::MultiPatch ConvertInput(int port, vtkDataObject* input) override;
   hyperpatch::MultiPatch MakeModel(const Inputs& inputs) override;
 

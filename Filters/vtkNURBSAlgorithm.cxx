@@ -109,13 +109,24 @@ int vtkNURBSAlgorithm::FillInputPortInformation(int, vtkInformation* info)
   return 1;
 }
 
+int vtkNURBSAlgorithm::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkDataObject" : "vtkTable");
+  return 1;
+}
+
 int vtkNURBSAlgorithm::RequestDataObject(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
-  return vtkDataObjectAlgorithm::SetOutputDataObject(
-           this->OutputType(), outputVector->GetInformationObject(0), true)
-    ? 1
-    : 0;
+  for (int port = 0; port < this->GetNumberOfOutputPorts(); ++port)
+  {
+    if (!vtkDataObjectAlgorithm::SetOutputDataObject(port == 0 ? this->OutputType() : VTK_TABLE,
+          outputVector->GetInformationObject(port), true))
+    {
+      return 0;
+    }
+  }
+  return 1;
 }
 
 const hyperpatch::MultiPatch& vtkNURBSAlgorithm::Convert(vtkDataObject* input)
@@ -152,6 +163,8 @@ void vtkNURBSAlgorithm::ExecuteInput(vtkDataObject* input, vtkDataObject* output
 {
   this->Execute(this->Convert(input), output);
 }
+
+void vtkNURBSAlgorithm::Execute(const hyperpatch::MultiPatch&, vtkDataObject*) {}
 
 bool vtkNURBSAlgorithm::Run(vtkDataObject* input, vtkDataObject* output)
 {
@@ -201,9 +214,9 @@ bool vtkNURBSAlgorithm::Run(vtkDataObject* input, vtkDataObject* output)
           cancelled = true;
         }
       });
-    if (!good || cancelled)
+    for (int port = 0; (!good || cancelled) && port < this->GetNumberOfOutputPorts(); ++port)
     {
-      output->Initialize();
+      this->GetOutputDataObject(port)->Initialize();
     }
   }
   return good;

@@ -13,8 +13,8 @@
  * of a property does not convert again.
  *
  * Output: of a subclass. Empty input gives empty output without a message; bad input gives one
- * error message and empty output; a cancelled run gives empty output. In a parallel run that holds
- * for all ranks as soon as one of them fails.
+ * error message and empty outputs; a cancelled run gives empty outputs. In a parallel run that
+ * holds for all ranks as soon as one of them fails.
  *
  * Threads: the loops of a filter run on the STDThread backend of vtkSMPTools with all cores, unless
  * a backend other than Sequential is in use or VTK_SMP_BACKEND_IN_USE is set in the environment;
@@ -58,7 +58,8 @@ protected:
 
   /**
    * Type of the output: VTK_POLY_DATA here. Asked before every update, so it may depend on a
-   * property.
+   * property. A second output, which a filter asks for by SetNumberOfOutputPorts(2), is a vtkTable:
+   * its report.
    */
   virtual int OutputType() const;
 
@@ -68,9 +69,9 @@ protected:
    * In a parallel run the model is this rank's part and may be empty, and all ranks call Execute()
    * if one of them has patches: take part in every reduction all the same. Report errors by
    * throwing hyperpatch::Error; where ranks may disagree about one, let AnyRank() decide before the
-   * next reduction.
+   * next reduction. Not called where ExecuteInput() is overridden.
    */
-  virtual void Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output) = 0;
+  virtual void Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output);
 
   ///@{
   /**
@@ -134,6 +135,7 @@ protected:
   double Diagonal(const hyperpatch::MultiPatch& model) const;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestDataObject(vtkInformation* request, vtkInformationVector** inputVector,
     vtkInformationVector* outputVector) override;
   int RequestData(vtkInformation* request, vtkInformationVector** inputVector,

@@ -210,9 +210,11 @@ void vtkNURBSExtractPatches::Execute(const MultiPatch& model, vtkDataObject* out
   const std::set<int> ids = this->ExtractBy == PATCH_IDS ? FindIds(patches, this->PatchIds)
     : this->ExtractBy == BOUNDARY                        ? this->FindBoundary(model)
                                                          : FindInBox(patches, this->Box);
-  const MultiPatch chosen = Restrict(model, ids);
-  hyperpatch::ToVTK(chosen, vtkPartitionedDataSetCollection::SafeDownCast(output),
-    this->GatherNames(hyperpatch::OwnBasisAttributes(chosen)));
+  MultiPatch chosen = Restrict(model, ids);
+  const std::vector<std::string> attributes =
+    this->GatherNames(hyperpatch::OwnBasisAttributes(chosen));
+  hyperpatch::ToVTK(
+    std::move(chosen), vtkPartitionedDataSetCollection::SafeDownCast(output), attributes);
 }
 
 std::set<int> vtkNURBSExtractPatches::FindBoundary(const MultiPatch& model) const

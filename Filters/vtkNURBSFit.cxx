@@ -16,13 +16,10 @@
 #include "vtkDataSet.h"
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
-#include "vtkInformationVector.h"
 #include "vtkObjectFactory.h"
-#include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 #include "vtkPointSet.h"
 #include "vtkSmartPointer.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkTable.h"
 
 #include <algorithm>
@@ -366,64 +363,10 @@ void vtkNURBSFit::ClearPointArrays()
   }
 }
 
-int vtkNURBSFit::OutputType() const
-{
-  return VTK_PARTITIONED_DATA_SET_COLLECTION;
-}
-
 int vtkNURBSFit::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
-  return 1;
-}
-
-int vtkNURBSFit::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  if (port == 1)
-  {
-    info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkTable");
-    return 1;
-  }
-  return this->Superclass::FillOutputPortInformation(port, info);
-}
-
-int vtkNURBSFit::RequestDataObject(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  return this->Superclass::RequestDataObject(request, inputVector, outputVector) &&
-      vtkDataObjectAlgorithm::SetOutputDataObject(
-        VTK_TABLE, outputVector->GetInformationObject(1), true)
-    ? 1
-    : 0;
-}
-
-int vtkNURBSFit::RequestInformation(
-  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
-{
-  for (int port = 0; port < 2; ++port)
-  {
-    outputVector->GetInformationObject(port)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
-  }
-  return 1;
-}
-
-int vtkNURBSFit::RequestUpdateExtent(
-  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
-{
-  // A fit is a matter of all samples.
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  vtkInformation* info = inputVector[0]->GetInformationObject(0);
-  if (info)
-  {
-    info->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
-    info->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
-    info->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
-    if (info->Has(Pipeline::WHOLE_EXTENT()))
-    {
-      info->Set(Pipeline::UPDATE_EXTENT(), info->Get(Pipeline::WHOLE_EXTENT()), 6);
-    }
-  }
   return 1;
 }
 
@@ -460,13 +403,12 @@ bool vtkNURBSFit::HasWork(vtkDataObject* input)
   return !sets.empty();
 }
 
-void vtkNURBSFit::ExecuteInput(vtkDataObject*, vtkDataObject* output)
+MultiPatch vtkNURBSFit::MakeModel(const Inputs&)
 {
   const vtkSmartPointer<vtkDataObject> whole = std::exchange(this->Whole, nullptr);
   const auto sets = DataSets(whole);
   MultiPatch model;
-  FitReport report;
-  Fitter fitter(this, report);
+  Fitter fitter(this, *this->Report);
   for (std::size_t i = 0; i < sets.size(); ++i)
   {
     // Writing the output is the rest.
@@ -476,29 +418,19 @@ void vtkNURBSFit::ExecuteInput(vtkDataObject*, vtkDataObject* output)
     model.Patches.push_back(fitter.Fit(id, set, begin, begin + step));
   }
   this->SetProgressRange(0.9, 1.0);
-  this->Execute(model, output);
-  report.Fill(output->GetFieldData());
-  if (this->GetOutputInformation(0)->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) ==
-    0)
-  {
-    report.Fill(vtkTable::SafeDownCast(this->GetOutputDataObject(1))->GetRowData());
-  }
-  this->ReportProgress(1.0);
+  return model;
 }
 
-void vtkNURBSFit::Execute(const MultiPatch& model, vtkDataObject* output)
+void vtkNURBSFit::ExecuteInput(vtkDataObject* input, vtkDataObject* output)
 {
-  vtkInformation* info = this->GetOutputInformation(0);
-  const int piece = info->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER());
-  const int pieces = info->Get(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES());
-  auto collection = vtkPartitionedDataSetCollection::SafeDownCast(output);
-  if (pieces <= 1)
+  this->Report = std::make_unique<FitReport>();
+  this->Superclass::ExecuteInput(input, output);
+  this->Report->Fill(output->GetFieldData());
+  if (this->IsFirstPiece())
   {
-    hyperpatch::ToVTK(model, collection);
-    return;
+    this->Report->Fill(vtkTable::SafeDownCast(this->GetOutputDataObject(1))->GetRowData());
   }
-  hyperpatch::ToVTK(hyperpatch::ExtractPiece(model, piece, pieces), collection,
-    hyperpatch::OwnBasisAttributes(model));
+  this->ReportProgress(1.0);
 }
 
 VTK_ABI_NAMESPACE_END

@@ -56,18 +56,21 @@
 #ifndef vtkNURBSFit_h
 #define vtkNURBSFit_h
 
-#include "vtkNURBSAlgorithm.h"
 #include "vtkNURBSFiltersModule.h" // for the export macro
-#include "vtkSmartPointer.h"       // for the input
+#include "vtkNURBSModelAlgorithm.h"
+#include "vtkSmartPointer.h" // for the input
 
+#include <memory> // for the report
 #include <set>    // for the names of arrays
 #include <string> // for the names of arrays
 
-class VTKNURBSFILTERS_EXPORT vtkNURBSFit : public vtkNURBSAlgorithm
+class FitReport;
+
+class VTKNURBSFILTERS_EXPORT vtkNURBSFit : public vtkNURBSModelAlgorithm
 {
 public:
   static vtkNURBSFit* New();
-  vtkTypeMacro(vtkNURBSFit, vtkNURBSAlgorithm)
+  vtkTypeMacro(vtkNURBSFit, vtkNURBSModelAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   enum MethodType
@@ -187,18 +190,10 @@ protected:
   vtkNURBSFit();
   ~vtkNURBSFit() override;
 
-  int OutputType() const override;
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  int FillOutputPortInformation(int port, vtkInformation* info) override;
-  int RequestDataObject(vtkInformation* request, vtkInformationVector** inputVector,
-    vtkInformationVector* outputVector) override;
-  int RequestInformation(vtkInformation* request, vtkInformationVector** inputVector,
-    vtkInformationVector* outputVector) override;
-  int RequestUpdateExtent(vtkInformation* request, vtkInformationVector** inputVector,
-    vtkInformationVector* outputVector) override;
   bool HasWork(vtkDataObject* input) override;
+  hyperpatch::MultiPatch MakeModel(const Inputs& inputs) override;
   void ExecuteInput(vtkDataObject* input, vtkDataObject* output) override;
-  void Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output) override;
 
 private:
   vtkNURBSFit(const vtkNURBSFit&) = delete;
@@ -215,8 +210,9 @@ private:
   double Smoothing = 0.0;
   int SampleParameters = CHORD_LENGTH;
   int MissingSamples = REFUSE;
-  /// From HasWork() to ExecuteInput().
+  /// From HasWork() to MakeModel().
   vtkSmartPointer<vtkDataObject> Whole;
+  std::unique_ptr<FitReport> Report;
 };
 
 #endif

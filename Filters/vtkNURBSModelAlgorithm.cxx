@@ -11,6 +11,7 @@
 #include "vtkType.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 VTK_ABI_NAMESPACE_BEGIN
@@ -42,7 +43,10 @@ int vtkNURBSModelAlgorithm::OutputType() const
 int vtkNURBSModelAlgorithm::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
-  outputVector->GetInformationObject(0)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
+  for (int port = 0; port < this->GetNumberOfOutputPorts(); ++port)
+  {
+    outputVector->GetInformationObject(port)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
+  }
   return 1;
 }
 
@@ -58,6 +62,10 @@ int vtkNURBSModelAlgorithm::RequestUpdateExtent(
       info->Set(Pipeline::UPDATE_PIECE_NUMBER(), 0);
       info->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), 1);
       info->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+      if (info->Has(Pipeline::WHOLE_EXTENT()))
+      {
+        info->Set(Pipeline::UPDATE_EXTENT(), info->Get(Pipeline::WHOLE_EXTENT()), 6);
+      }
     }
   }
   return 1;
@@ -81,19 +89,25 @@ bool vtkNURBSModelAlgorithm::HasWork(vtkDataObject*)
 
 void vtkNURBSModelAlgorithm::ExecuteInput(vtkDataObject*, vtkDataObject* output)
 {
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
   const Inputs models = std::exchange(this->Models, {});
-  this->Execute(
-    hyperpatch::WithFoundInterfaces(this->MakeModel(models), this->FoundInterfaceTolerance()),
-    output);
+  hyperpatch::MultiPatch model =
+    hyperpatch::WithFoundInterfaces(this->MakeModel(models), this->FoundInterfaceTolerance());
+  const std::vector<std::string> attributes = hyperpatch::OwnBasisAttributes(model);
+  vtkInformation* info = this->GetOutputInformation(0);
+  const int pieces = info->Get(Pipeline::UPDATE_NUMBER_OF_PIECES());
+  if (pieces > 1)
+  {
+    model = hyperpatch::ExtractPiece(model, info->Get(Pipeline::UPDATE_PIECE_NUMBER()), pieces);
+  }
+  hyperpatch::ToVTK(
+    std::move(model), vtkPartitionedDataSetCollection::SafeDownCast(output), attributes);
 }
 
-void vtkNURBSModelAlgorithm::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output)
+bool vtkNURBSModelAlgorithm::IsFirstPiece()
 {
-  vtkInformation* info = this->GetOutputInformation(0);
-  const int piece = info->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER());
-  const int pieces = info->Get(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES());
-  hyperpatch::ToVTK(pieces > 1 ? hyperpatch::ExtractPiece(model, piece, pieces) : model,
-    vtkPartitionedDataSetCollection::SafeDownCast(output), hyperpatch::OwnBasisAttributes(model));
+  return this->GetOutputInformation(0)->Get(
+           vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) == 0;
 }
 
 VTK_ABI_NAMESPACE_END

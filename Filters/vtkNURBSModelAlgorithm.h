@@ -60,9 +60,13 @@ protected:
     vtkInformationVector* outputVector) override;
   int RequestUpdateExtent(vtkInformation* request, vtkInformationVector** inputVector,
     vtkInformationVector* outputVector) override;
-  bool HasWork(vtkDataObject* input) final;
-  void ExecuteInput(vtkDataObject* input, vtkDataObject* output) final;
-  void Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output) final;
+  bool HasWork(vtkDataObject* input) override;
+  void ExecuteInput(vtkDataObject* input, vtkDataObject* output) override;
+
+  /**
+   * Whether this piece is the one that gives reports: those are of the whole model.
+   */
+  bool IsFirstPiece();
 
 private:
   vtkNURBSModelAlgorithm(const vtkNURBSModelAlgorithm&) = delete;

@@ -11,8 +11,6 @@
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
-#include "vtkInformation.h"
-#include "vtkInformationVector.h"
 #include "vtkIntArray.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
@@ -140,26 +138,6 @@ void vtkNURBSValidity::PrintSelf(ostream& os, vtkIndent indent)
 int vtkNURBSValidity::OutputType() const
 {
   return VTK_UNSTRUCTURED_GRID;
-}
-
-int vtkNURBSValidity::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  if (port == 1)
-  {
-    info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkTable");
-    return 1;
-  }
-  return this->Superclass::FillOutputPortInformation(port, info);
-}
-
-int vtkNURBSValidity::RequestDataObject(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  return this->Superclass::RequestDataObject(request, inputVector, outputVector) &&
-      vtkDataObjectAlgorithm::SetOutputDataObject(
-        VTK_TABLE, outputVector->GetInformationObject(1), true)
-    ? 1
-    : 0;
 }
 
 bool vtkNURBSValidity::IsShared()

@@ -138,10 +138,6 @@ protected:
   int OutputType() const override;
   void Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output) override;
 
-  int FillOutputPortInformation(int port, vtkInformation* info) override;
-  int RequestDataObject(vtkInformation* request, vtkInformationVector** inputVector,
-    vtkInformationVector* outputVector) override;
-
 private:
   vtkNURBSValidity(const vtkNURBSValidity&) = delete;
   void operator=(const vtkNURBSValidity&) = delete;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hyperpatch
@@ -33,7 +34,9 @@ public:
   explicit Aggregate(Spline geometry, std::vector<Attribute> attributes = {});
 
   [[nodiscard]] const Spline& Geometry() const { return this->G; }
-  [[nodiscard]] const std::vector<Attribute>& Attributes() const { return this->A; }
+  [[nodiscard]] const std::vector<Attribute>& Attributes() const& { return this->A; }
+  /// Of an aggregate that is needed no more.
+  [[nodiscard]] std::vector<Attribute> Attributes() && { return std::move(this->A); }
   /// The attribute of that name, or nullptr.
   [[nodiscard]] const Spline* FindAttribute(const std::string& name) const;
 

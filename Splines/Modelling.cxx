@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -174,49 +175,96 @@ int NewDirection(const Aggregate& section)
   return section.Geometry().Dimension();
 }
 
+/// Parameters where a scalar field of one or two directions is less than -tolerance. None: by the
+/// convex hull property it is nowhere less than -2 tolerance.
+std::optional<Eigen::Vector2d> FindBelow(const Spline& field, double tolerance)
+{
+  std::vector<Spline> pieces{ Clamp(field) };
+  while (!pieces.empty())
+  {
+    const Spline piece = std::move(pieces.back());
+    pieces.pop_back();
+    const Eigen::MatrixXd& values = piece.Coefficients();
+    if (values.minCoeff() >= -2.0 * tolerance)
+    {
+      continue;
+    }
+    const auto [nu, nv, nw] = piece.Sizes();
+    const auto end = [&piece](int d, bool last)
+    { return last ? piece.Knots(d).Last() : piece.Knots(d).First(); };
+    for (const bool lastV : { false, true })
+    {
+      for (const bool lastU : { false, true })
+      {
+        if (values(0, (lastU ? nu - 1 : 0) + nu * (lastV ? nv - 1 : 0)) < -tolerance)
+        {
+          return Eigen::Vector2d(end(0, lastU), end(1, lastV));
+        }
+      }
+    }
+    // Between corners like these the control points come close to the values with the square of
+    // the lengths: that ends it.
+    const auto length = [&](int d)
+    {
+      const KnotVector& whole = field.Knots(d);
+      return piece.Knots(d).Degree() == 0
+        ? 0.0
+        : (end(d, true) - end(d, false)) / (whole.Last() - whole.First());
+    };
+    const int split = length(1) > length(0) ? 1 : 0;
+    const double middle = 0.5 * (end(split, false) + end(split, true));
+    std::array<double, 3> low{ end(0, false), end(1, false), end(2, false) };
+    const std::array<double, 3> high{ end(0, true), end(1, true), end(2, true) };
+    std::array<double, 3> cut = high;
+    cut[static_cast<std::size_t>(split)] = middle;
+    pieces.push_back(RestrictToBox(piece, low, cut));
+    low[static_cast<std::size_t>(split)] = middle;
+    pieces.push_back(RestrictToBox(piece, low, high));
+  }
+  return std::nullopt;
+}
+
 /// A section that is revolved must not be on both sides of the axis.
 void CheckProfile(const Spline& section, const Eigen::Vector3d& point, const Eigen::Vector3d& axis)
 {
-  constexpr int Places = 16;
   const Eigen::Vector3d unit = axis.normalized();
-  const auto across = [&](const Spline& spline)
-  {
-    const Eigen::MatrixXd from = spline.Coefficients().colwise() - point;
-    return Eigen::MatrixXd(from - unit * (unit.transpose() * from));
-  };
-  const Eigen::MatrixXd points = across(section);
+  const Eigen::MatrixXd points = section.Coefficients().colwise() - point;
+  const Eigen::MatrixXd across = points - unit * (unit.transpose() * points);
   Eigen::Index farthest = 0;
-  const double size = points.colwise().norm().maxCoeff(&farthest);
+  const double size = across.colwise().norm().maxCoeff(&farthest);
   if (!(size > 0.0))
   {
     throw Error("the section lies on the axis of revolution: it draws nothing");
   }
   const double tolerance = 1e-9 * size;
-  const Eigen::Vector3d outward = points.col(farthest) / size;
+  const Eigen::Vector3d outward = across.col(farthest) / size;
   const bool isPlanar =
-    (points - outward * (outward.transpose() * points)).colwise().norm().maxCoeff() <= tolerance;
-  if (!isPlanar || (outward.transpose() * points).minCoeff() >= -tolerance)
+    (across - outward * (outward.transpose() * across)).colwise().norm().maxCoeff() <= tolerance;
+  if (!isPlanar)
   {
     return;
   }
-  // Control points may be beyond the axis where the section is not.
-  const std::array<int, 3> pieces{ Places, Places, 1 };
-  const Spline fine = RefineUniformly(section, pieces);
-  for (const double v : fine.Knots(1).Breaks())
+  const Eigen::MatrixXd distances = outward.transpose() * across;
+  const auto inside = FindBelow(Spline(section.Knots(), distances, section.Weights()), tolerance);
+  const auto outside = FindBelow(Spline(section.Knots(), -distances, section.Weights()), tolerance);
+  if (!inside || !outside)
   {
-    for (const double u : fine.Knots(0).Breaks())
-    {
-      const Eigen::Vector3d from = section.Evaluate(u, v) - point;
-      const double distance = outward.dot(from);
-      if (distance < -tolerance)
-      {
-        const Eigen::Vector3d at = point + from;
-        throw Error("the section crosses the axis of revolution, near (" + std::to_string(at[0]) +
-          ", " + std::to_string(at[1]) + ", " + std::to_string(at[2]) +
-          "): the solid would overlap itself. Move the axis, or cut the section there");
-      }
-    }
+    return;
   }
+  // Somewhere between the two it is on the axis.
+  Eigen::Vector2d low = *inside;
+  Eigen::Vector2d high = *outside;
+  Eigen::Vector3d from;
+  for (int i = 0; i < 60; ++i)
+  {
+    const Eigen::Vector2d middle = 0.5 * (low + high);
+    from = section.Evaluate(middle[0], middle[1]) - point;
+    (outward.dot(from) < 0.0 ? low : high) = middle;
+  }
+  const Eigen::Vector3d at = point + unit.dot(from) * unit;
+  throw Error("the section crosses the axis of revolution, at (" + std::to_string(at[0]) + ", " +
+    std::to_string(at[1]) + ", " + std::to_string(at[2]) +
+    "): the solid would overlap itself. Move the axis, or cut the section there");
 }
 
 }

@@ -265,19 +265,41 @@ TEST(NURBSConversion, NothingGivesNoPatches)
 
 TEST(NURBSConversion, GrevillePointsOfAnAttributeLieInItsPatch)
 {
-  // The lattice of a tube's attribute shows the tube: all points have a radius in [1, 2].
+  // The lattice of a tube's attribute shows the tube: all points have a radius in [1, 2]. Far from
+  // the origin single precision would show steps.
   std::mt19937 random(7);
   const Spline tube = models::QuarterTube();
-  const auto collection =
-    MakeCollection(OnePatch(tube, { OwnBasisAttribute(random, tube, "T", false) }));
-  vtkStructuredGrid* lattice = Grid(collection, 1);
-  for (vtkIdType i = 0; i < lattice->GetNumberOfPoints(); ++i)
+  for (const double shift : { 0.0, 1e6 })
   {
-    const double* x = lattice->GetPoint(i);
-    const double radius = std::hypot(x[0], x[1]);
-    EXPECT_GE(radius, 1 - 8 * Eps);
-    EXPECT_LE(radius, 2 + 8 * Eps);
+    Eigen::MatrixXd moved = tube.Coefficients();
+    moved.row(0).array() += shift;
+    const Spline geometry(tube.Knots(), moved, tube.Weights());
+    const auto collection =
+      MakeCollection(OnePatch(geometry, { OwnBasisAttribute(random, geometry, "T", false) }));
+    vtkStructuredGrid* lattice = Grid(collection, 1);
+    const bool isFar = shift > 0.0;
+    EXPECT_EQ(lattice->GetPoints()->GetDataType(), isFar ? VTK_DOUBLE : VTK_FLOAT);
+    const double rounding =
+      isFar ? 8 * Eps * shift : 4 * static_cast<double>(std::numeric_limits<float>::epsilon());
+    for (vtkIdType i = 0; i < lattice->GetNumberOfPoints(); ++i)
+    {
+      const double* x = lattice->GetPoint(i);
+      const double radius = std::hypot(x[0] - shift, x[1]);
+      EXPECT_GE(radius, 1 - rounding);
+      EXPECT_LE(radius, 2 + rounding);
+    }
   }
+}
+
+TEST(NURBSConversion, PointsOfAttributesAreNotRead)
+{
+  std::mt19937 random(7);
+  const Spline tube = models::QuarterTube();
+  const MultiPatch model = OnePatch(tube, { OwnBasisAttribute(random, tube, "T", false) });
+  const auto collection = MakeCollection(model);
+  Grid(collection, 1)->GetPoints()->SetPoint(0, NAN, 0.0, 0.0);
+  EXPECT_EQ(*FromVTK(collection).Patches.at(0).Body.FindAttribute("T"),
+    *model.Patches[0].Body.FindAttribute("T"));
 }
 
 TEST(NURBSConversion, KnowsItsOwnData)

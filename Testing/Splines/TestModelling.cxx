@@ -199,16 +199,47 @@ TEST(Modelling, ASectionThatCrossesTheAxisIsRefused)
   const Aggregate crossing(Curve(points, 1));
   const auto revolve = [](const Aggregate& section)
   { return Revolve(section, Vector3d::Zero(), Vector3d::UnitZ(), 90.0); };
-  ExpectError([&] { (void)revolve(crossing); }, "crosses the axis of revolution, near (-1.0");
-  ExpectError([&] { (void)revolve(Extrude(crossing, Vector3d::UnitZ())); }, "crosses the axis");
-  // Touching it is fine, and so are control points beyond it where the curve is not.
+  // From x = -1, z = 0 to x = 2, z = 1.
+  const std::string place = "crosses the axis of revolution, at (0.000000, 0.000000, 0.333333)";
+  ExpectError([&] { (void)revolve(crossing); }, place);
+  ExpectError([&] { (void)revolve(Extrude(crossing, Vector3d::UnitX())); }, "crosses the axis");
+  // Touching it is fine, and so are control points beyond it where the curve is not: also where
+  // they are those farthest away.
   points << 0, 2, 0, 0, 0, 1;
   EXPECT_NO_THROW((void)revolve(Aggregate(Curve(points, 1))));
   Eigen::MatrixXd bulge(3, 3);
   bulge << 1, -0.2, 1, 0, 0, 0, 0, 1, 2;
   EXPECT_NO_THROW((void)revolve(Aggregate(Curve(bulge, 2))));
+  bulge(0, 1) = -5.0;
+  ExpectError([&] { (void)revolve(Aggregate(Curve(bulge, 2))); }, "crosses the axis");
+  Eigen::VectorXd weights(3);
+  weights << 1.0, 0.1, 1.0;
+  EXPECT_NO_THROW((void)revolve(Aggregate(Spline(Curve(bulge, 2).Knots(), bulge, weights))));
   points << 0, 0, 0, 0, 0, 1;
   ExpectError([&] { (void)revolve(Aggregate(Curve(points, 1))); }, "lies on the axis");
+}
+
+TEST(Modelling, ASectionMayTouchTheAxisAndNotCrossItByLittle)
+{
+  // x = (t - 1/2)^2 - depth, of 40 spans: where the axis is crossed is between any fixed places.
+  for (const double depth : { -1e-3, 0.0, 1e-10, 1e-8, 1e-4 })
+  {
+    Eigen::MatrixXd parabola(3, 3);
+    parabola << 0.25 - depth, -0.25 - depth, 0.25 - depth, 0, 0, 0, 0, 1, 2;
+    const Spline curve = RefineUniformly(Curve(parabola, 2), { 40, 1, 1 });
+    const auto revolve = [&]
+    { return Revolve(Aggregate(curve), Vector3d::Zero(), Vector3d::UnitZ(), 90.0); };
+    if (depth > 1e-9)
+    {
+      // The crossings are at z = 1 -+ 2 sqrt(depth).
+      ExpectError([&] { (void)revolve(); },
+        depth > 1e-5 ? "axis of revolution, at (0.000000, 0.000000, 0.98" : "0.9998");
+    }
+    else
+    {
+      EXPECT_NO_THROW((void)revolve());
+    }
+  }
 }
 
 TEST(Modelling, RulingJoinsSectionsOfOtherDegreesKnotsAndDomains)
