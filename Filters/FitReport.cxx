@@ -71,8 +71,12 @@ void FitReport::Fill(vtkFieldData* columns) const
   integers("ControlPoints", [](const Row& row) { return row.ControlPoints; });
   numbers("RMSError", [](const Row& row) { return row.Error.RootMeanSquare; });
   numbers("MaximumError", [](const Row& row) { return row.Error.Maximum; });
-  numbers("RelativeError",
-    [](const Row& row) { return row.Range > 0.0 ? row.Error.Maximum / row.Range : 0.0; });
+  const auto relative = [](const Row& row, double error)
+  { return row.Range > 0.0 ? error / row.Range : 0.0; };
+  numbers("RelativeRMSError",
+    [&relative](const Row& row) { return relative(row, row.Error.RootMeanSquare); });
+  numbers(
+    "RelativeError", [&relative](const Row& row) { return relative(row, row.Error.Maximum); });
   integers("WorstPoint", [](const Row& row) { return row.Error.Where; });
   numbers("JacobianLower", [](const Row& row) { return row.Jacobian.Low; });
   numbers("JacobianUpper", [](const Row& row) { return row.Jacobian.High; });

@@ -131,6 +131,12 @@ private:
 
   [[nodiscard]] bool ToTarget() const { return this->Self->FitTo == TARGET_ERROR; }
 
+  [[nodiscard]] hyperpatch::ErrorMeasure Measure() const
+  {
+    return this->Self->ErrorMeasure == MAXIMUM ? hyperpatch::ErrorMeasure::Maximum
+                                               : hyperpatch::ErrorMeasure::RootMeanSquare;
+  }
+
   /// The target as a distance; of constant data, rounding.
   [[nodiscard]] double Tolerance(const Eigen::MatrixXd& samples, double range) const
   {
@@ -217,7 +223,7 @@ private:
         const double tolerance = this->Tolerance(samples, range);
         return hyperpatch::FitToTolerance(
           { this->Self->Degree[0], this->Self->Degree[1], this->Self->Degree[2] }, grid.Sites,
-          samples, tolerance, parallelFor);
+          samples, tolerance, this->Measure(), parallelFor);
       }
       return hyperpatch::FitAroundMissing(fits, missing, std::move(samples), parallelFor);
     };
@@ -288,16 +294,18 @@ private:
     std::copy_n(this->Self->Degree, 3, options.Degrees.begin());
     std::copy_n(this->Self->ControlPoints, 3, options.ControlPoints.begin());
     options.Tolerance = this->ToTarget() ? this->Tolerance(values, range) : 0.0;
+    options.Measure = this->Measure();
     Spline spline = hyperpatch::FitScattered(sites, values, { low[0], low[1], low[2] },
       { high[0], high[1], high[2] }, options, parallelFor);
     FitError error = hyperpatch::MeasureError(spline, sites, values, parallelFor);
     error.Where = kept[static_cast<std::size_t>(error.Where)];
-    if (this->ToTarget() && error.Maximum > options.Tolerance)
+    const double reached = error.Of(options.Measure);
+    if (this->ToTarget() && reached > options.Tolerance)
     {
       vtkWarningWithObjectMacro(this->Self,
-        "the fit of " << array->GetName() << " ended at a relative error of "
-                      << error.Maximum / range << " with " << spline.NumberOfControlPoints()
-                      << " control points for " << values.cols()
+        "the fit of " << array->GetName() << " ended at a relative error of " << reached / range
+                      << " with " << spline.NumberOfControlPoints() << " control points for "
+                      << values.cols()
                       << " points: the data contradict each other, or vary between neighbours");
     }
     this->Report->Add(this->PatchId, array->GetName(), spline, error, range);
@@ -338,6 +346,9 @@ void vtkNURBSFit::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ControlPoints: " << this->ControlPoints[0] << " " << this->ControlPoints[1]
      << " " << this->ControlPoints[2] << "\n";
   os << indent << "TargetError: " << this->TargetError << "\n";
+  os << indent
+     << "ErrorMeasure: " << (this->ErrorMeasure == MAXIMUM ? "Maximum" : "Root Mean Square")
+     << "\n";
   os << indent << "Smoothing: " << this->Smoothing << "\n";
   os << indent
      << "SampleParameters: " << (this->SampleParameters == UNIFORM ? "Uniform" : "Chord Length")

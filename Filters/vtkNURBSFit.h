@@ -21,8 +21,8 @@
  * - `Attribute` (string; `Points` for a geometry), `PatchId`, `Components`, `Samples`,
  *   `ControlPoints` (integers): what was fitted, with how many control points
  * - `RMSError`, `MaximumError`: distances at the samples (Euclidean over the components) in units
- * of the data; `RelativeError`: the maximum over the range of the data (the norm of the ranges of
- *   the components); `WorstPoint`: the point with the maximum
+ *   of the data; `RelativeRMSError`, `RelativeError`: the same over the range of the data (the norm
+ *   of the ranges of the components); `WorstPoint`: the point with the maximum
  * - `JacobianLower`, `JacobianUpper`: of a fitted volume, certified bounds of the least det J, with
  *   respect to its parameters; `InvalidElements`, `UndecidedElements`: the numbers of elements
  *   (knot spans) where det J certainly changes its sign, and where that was not decided (see
@@ -137,13 +137,28 @@ public:
 
   ///@{
   /**
-   * The largest error at any sample, as a fraction of the range of the array (of points: their
-   * bounds' diagonal). Knots are inserted until it is met, for grids in the worst case at all
+   * The error at the samples, see ErrorMeasure, as a fraction of the range of the array (of points:
+   * their bounds' diagonal). Knots are inserted until it is met, for grids in the worst case at all
    * samples. Scattered fits end at four times as many control points as points; a warning says so.
    * Default 0.01.
    */
   vtkSetMacro(TargetError, double);
   vtkGetMacro(TargetError, double);
+  ///@}
+
+  enum ErrorMeasureType
+  {
+    MAXIMUM = 0,
+    ROOT_MEAN_SQUARE = 1
+  };
+
+  ///@{
+  /**
+   * What TargetError is a bound of: the largest error at any sample, or the root of the mean of the
+   * squared errors. Default MAXIMUM.
+   */
+  vtkSetClampMacro(ErrorMeasure, int, MAXIMUM, ROOT_MEAN_SQUARE);
+  vtkGetMacro(ErrorMeasure, int);
   ///@}
 
   ///@{
@@ -207,6 +222,7 @@ private:
   int FitTo = CONTROL_POINTS;
   int ControlPoints[3] = { 16, 16, 16 };
   double TargetError = 0.01;
+  int ErrorMeasure = MAXIMUM;
   double Smoothing = 0.0;
   int SampleParameters = CHORD_LENGTH;
   int MissingSamples = REFUSE;

@@ -30,7 +30,8 @@ std::size_t Unsigned(Index i)
 struct Along
 {
   Along(const std::array<std::vector<double>, 3>& sites, int direction, Index components)
-    : Inner(components)
+    : Components(components)
+    , Inner(components)
   {
     for (int d = 0; d < 3; ++d)
     {
@@ -38,17 +39,19 @@ struct Along
       (d < direction ? this->Inner : this->Outer) *= d == direction ? 1 : size;
     }
   }
+  Index Components;
   Index Inner;
   Index Outer = 1;
 };
 
-/// Places among the sites of one direction, and the largest error that fitting lines there leaves.
+/// Places among the sites of one direction, for the error that fitting lines there leaves.
 class PlaceSearch
 {
 public:
-  PlaceSearch(int degree, const std::vector<double>& sites)
+  PlaceSearch(int degree, const std::vector<double>& sites, ErrorMeasure measure)
     : Degree(degree)
     , Sites(&sites)
+    , Measure(measure)
   {
     const auto last = static_cast<int>(sites.size()) - 1;
     if (last < degree)
@@ -76,7 +79,7 @@ public:
                           : DirectionFit::LeastSquares(knots, *this->Sites);
   }
 
-  /// Halves intervals until the largest error along this direction is within the tolerance.
+  /// Halves intervals until the error along this direction is within the tolerance.
   void Refine(const Along& along, const Eigen::MatrixXd& samples, double tolerance,
     const ParallelFor& parallelFor)
   {
@@ -84,7 +87,7 @@ public:
     {
       const std::vector<double> errors = this->Errors(along, samples, parallelFor);
       const double worst = *std::max_element(errors.begin(), errors.end());
-      if (worst <= tolerance)
+      if (this->Total(errors) <= tolerance)
       {
         return;
       }
@@ -94,12 +97,24 @@ public:
   }
 
 private:
-  /// The largest error of any line at each site.
+  /// Of all lines, from that at each site.
+  [[nodiscard]] double Total(const std::vector<double>& errors) const
+  {
+    if (this->Measure == ErrorMeasure::Maximum)
+    {
+      return *std::max_element(errors.begin(), errors.end());
+    }
+    const Eigen::Map<const Eigen::VectorXd> all(errors.data(), static_cast<Index>(errors.size()));
+    return all.norm() / std::sqrt(static_cast<double>(errors.size()));
+  }
+
+  /// The error of all lines at each site.
   [[nodiscard]] std::vector<double> Errors(
     const Along& along, const Eigen::MatrixXd& samples, const ParallelFor& parallelFor) const
   {
     const DirectionFit fit = this->Fit();
     const auto count = static_cast<Index>(this->Sites->size());
+    const bool isMaximum = this->Measure == ErrorMeasure::Maximum;
     std::vector<double> errors(Unsigned(count), 0.0);
     std::mutex mutex;
     const LineBlocks blocks(along.Inner, count, along.Outer);
@@ -120,15 +135,19 @@ private:
           const std::lock_guard<std::mutex> lock(mutex);
           for (Index i = 0; i < count; ++i)
           {
-            double largest = errors[Unsigned(i)];
-            for (Index l = i * width; l < (i + 1) * width; ++l)
-            {
-              largest = std::max(largest, std::abs(values[Unsigned(l)] - rows[Unsigned(l)]));
-            }
-            errors[Unsigned(i)] = largest;
+            const Eigen::Map<const Eigen::ArrayXd> row(rows.data() + i * width, width);
+            const Eigen::Map<const Eigen::ArrayXd> value(values.data() + i * width, width);
+            double& error = errors[Unsigned(i)];
+            error = isMaximum ? std::max(error, (value - row).abs().maxCoeff())
+                              : error + (value - row).square().sum();
           }
         };
       });
+    const double lines = static_cast<double>(along.Inner / along.Components * along.Outer);
+    for (double& error : errors)
+    {
+      error = isMaximum ? error : std::sqrt(error / lines);
+    }
     return errors;
   }
 
@@ -169,6 +188,7 @@ private:
 
   int Degree;
   const std::vector<double>* Sites;
+  ErrorMeasure Measure;
   std::vector<int> Places; ///< ascending indices of sites, both ends among them
 };
 
@@ -280,7 +300,8 @@ FitError MeasureError(const Spline& spline, const std::array<std::vector<double>
 }
 
 Spline FitToTolerance(std::array<int, 3> degrees, const std::array<std::vector<double>, 3>& sites,
-  const Eigen::MatrixXd& samples, double tolerance, const ParallelFor& parallelFor)
+  const Eigen::MatrixXd& samples, double tolerance, ErrorMeasure measure,
+  const ParallelFor& parallelFor)
 {
   if (!(tolerance > 0.0) || !std::isfinite(tolerance))
   {
@@ -291,7 +312,7 @@ Spline FitToTolerance(std::array<int, 3> degrees, const std::array<std::vector<d
   {
     if (sites[d].size() > 1)
     {
-      searches.emplace_back(d, PlaceSearch(degrees[d], sites[d]));
+      searches.emplace_back(d, PlaceSearch(degrees[d], sites[d], measure));
     }
   }
   const SampleReader read = [&samples](Index first, Index count, double* block)
@@ -312,7 +333,7 @@ Spline FitToTolerance(std::array<int, 3> degrees, const std::array<std::vector<d
     {
       used[d] = fits[d].Sites();
     }
-    if (full || MeasureError(spline, used, read, parallelFor).Maximum <= tolerance)
+    if (full || MeasureError(spline, used, read, parallelFor).Of(measure) <= tolerance)
     {
       return spline;
     }

@@ -13,6 +13,13 @@
 namespace hyperpatch
 {
 
+/// What a tolerance is a bound of.
+enum class ErrorMeasure
+{
+  Maximum,
+  RootMeanSquare
+};
+
 /// How far a spline is from samples; distances are Euclidean over the components.
 struct FitError
 {
@@ -20,6 +27,11 @@ struct FitError
   double Maximum = 0.0;
   Eigen::Index Where = 0; ///< the (first) sample with the largest error
   Eigen::Index Count = 0; ///< samples that were compared: those that are finite
+
+  [[nodiscard]] double Of(ErrorMeasure measure) const
+  {
+    return measure == ErrorMeasure::Maximum ? this->Maximum : this->RootMeanSquare;
+  }
 };
 
 /// Copies samples first .. first + count - 1 (m numbers each) to a block. Called on several threads
@@ -32,17 +44,17 @@ using SampleReader = std::function<void(Eigen::Index first, Eigen::Index count, 
   const std::array<std::vector<double>, 3>& sites, const SampleReader& read,
   const ParallelFor& parallelFor = SerialFor);
 
-/// Least squares with as many knots as a largest error asks for. Knots are placed direction by
+/// Least squares with as many knots as an error asks for. Knots are placed direction by
 /// direction, each for the errors of fitting along it alone (they bound the whole up to the norm of
 /// the projections): intervals between sites that are knots, or for even degrees stand for one, are
 /// halved where the error is too large, until the whole fit is good. All sites: interpolation.
 /// \param degrees of the directions that have more than one site
 /// \param samples m x (n0 n1 n2), u fastest; a working copy is made
-/// \param tolerance largest distance at the samples, more than 0
+/// \param tolerance bound of the error at the samples, more than 0
 /// \throws Error if it is not, and where InterpolationKnots() and FitGrid() do
 [[nodiscard]] Spline FitToTolerance(std::array<int, 3> degrees,
   const std::array<std::vector<double>, 3>& sites, const Eigen::MatrixXd& samples, double tolerance,
-  const ParallelFor& parallelFor = SerialFor);
+  ErrorMeasure measure, const ParallelFor& parallelFor = SerialFor);
 
 /// Replaces samples that are not finite (in any component) by the solution of Laplace's equation
 /// between the others, on the grid of indices and to about 1 % of the values around; the fill is

@@ -238,7 +238,7 @@ Spline FitScattered(const Eigen::Matrix3Xd& parameters, const MatrixXd& values,
       next *= spans[d] + knots[d].Degree();
     }
     const bool done = toTolerance
-      ? MeasureError(sum, sites, values, parallelFor).Maximum <= options.Tolerance ||
+      ? MeasureError(sum, sites, values, parallelFor).Of(options.Measure) <= options.Tolerance ||
         next > 4 * values.cols() + 64
       : longest <= 1.0;
     if (done)

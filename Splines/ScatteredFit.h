@@ -19,9 +19,10 @@ struct ScatteredFitOptions
   /// The least number of control points per direction; the number of knot spans is the next power
   /// of two.
   std::array<int, 3> ControlPoints{ 16, 16, 16 };
-  /// More than 0: in the place of ControlPoints, spans are halved until no error at a point is
-  /// larger, or there are four times as many control points as points.
+  /// More than 0: in the place of ControlPoints, spans are halved until the error at the points is
+  /// not larger, or there are four times as many control points as points.
   double Tolerance = 0.0;
+  ErrorMeasure Measure = ErrorMeasure::Maximum;
 };
 
 /// Multilevel B-spline approximation of scattered data (Lee, Wolberg & Shin, IEEE TVCG 3(3), 1997):

@@ -340,6 +340,34 @@ TEST(Fit, LeastSquaresCompressesToControlPointsOrTarget)
   }
 }
 
+TEST(Fit, TargetCanBeOfTheRootMeanSquare)
+{
+  const auto image = Image();
+  // One outlier: no compression to a largest error.
+  vtkDataArray* wave = image->GetPointData()->GetArray("Wave");
+  wave->SetTuple1(700, wave->GetTuple1(700) + 0.5);
+  Fit fit(image);
+  fit.Filter->SetMethodToLeastSquares();
+  fit.Filter->SetFitTo(vtkNURBSFit::TARGET_ERROR);
+  fit.Filter->SetTargetError(0.02);
+  fit.Update();
+  EXPECT_LE(fit.Reported("RelativeError"), 0.02);
+  const double points = fit.Reported("ControlPoints");
+  fit.Filter->SetErrorMeasure(vtkNURBSFit::ROOT_MEAN_SQUARE);
+  fit.Update();
+  EXPECT_LE(fit.Reported("RelativeRMSError"), 0.02);
+  EXPECT_GT(fit.Reported("RelativeError"), 0.02);
+  EXPECT_LT(fit.Reported("ControlPoints"), 0.5 * points);
+
+  Fit cloud(Cloud(3000));
+  cloud.Filter->SetFitTo(vtkNURBSFit::TARGET_ERROR);
+  cloud.Filter->SetErrorMeasure(vtkNURBSFit::ROOT_MEAN_SQUARE);
+  cloud.Filter->SetTargetError(0.01);
+  cloud.Update();
+  EXPECT_LE(cloud.Reported("RelativeRMSError"), 0.01);
+  EXPECT_TRUE(cloud.Messages.empty());
+}
+
 TEST(Fit, SmoothingStraightens)
 {
   const auto image = Image();

@@ -108,7 +108,8 @@ TEST(FitToTolerance, MeetsItWithFewControlPoints)
   Eigen::Index before = 0;
   for (double tolerance : { 1e-1, 1e-2, 1e-3, 1e-5 })
   {
-    const Spline spline = FitToTolerance({ 3, 3, 3 }, sites, samples, tolerance);
+    const Spline spline =
+      FitToTolerance({ 3, 3, 3 }, sites, samples, tolerance, ErrorMeasure::Maximum);
     EXPECT_LE(MeasureError(spline, sites, Reader(samples)).Maximum, tolerance);
     EXPECT_GT(spline.NumberOfControlPoints(), before);
     before = spline.NumberOfControlPoints();
@@ -116,7 +117,7 @@ TEST(FitToTolerance, MeetsItWithFewControlPoints)
     EXPECT_EQ(spline.Sizes()[2], 4);
     EXPECT_LE(spline.Sizes()[1], 16);
   }
-  const Spline spline = FitToTolerance({ 3, 3, 3 }, sites, samples, 1e-3);
+  const Spline spline = FitToTolerance({ 3, 3, 3 }, sites, samples, 1e-3, ErrorMeasure::Maximum);
   const std::vector<double> breaks = spline.Knots(0).Breaks();
   double closest = 1.0;
   for (std::size_t i = 1; i < breaks.size(); ++i)
@@ -133,7 +134,8 @@ TEST(FitToTolerance, InterpolatesWhatNothingElseMeets)
   const Eigen::MatrixXd samples = Eigen::MatrixXd::Random(1, 12 * 9);
   for (int degree : { 1, 2, 3 })
   {
-    const Spline spline = FitToTolerance({ degree, degree, degree }, sites, samples, 1e-9);
+    const Spline spline =
+      FitToTolerance({ degree, degree, degree }, sites, samples, 1e-9, ErrorMeasure::Maximum);
     EXPECT_EQ(spline.Sizes(), (std::array<int, 3>{ 12, 1, 9 }));
     EXPECT_LE(MeasureError(spline, { sites[0], { 0.5 }, sites[2] }, Reader(samples)).Maximum, 1e-9);
   }
@@ -146,8 +148,29 @@ TEST(FitToTolerance, HoldsWhereErrorsOfDirectionsAddUp)
   const Eigen::MatrixXd samples = Eigen::MatrixXd::Random(2, 14 * 11 * 12);
   for (double tolerance : { 1.2, 0.9, 0.6, 0.3, 0.1 })
   {
-    const Spline spline = FitToTolerance({ 2, 3, 1 }, sites, samples, tolerance);
+    const Spline spline =
+      FitToTolerance({ 2, 3, 1 }, sites, samples, tolerance, ErrorMeasure::Maximum);
     EXPECT_LE(MeasureError(spline, sites, Reader(samples)).Maximum, tolerance);
+  }
+}
+
+TEST(FitToTolerance, MeetsARootMeanSquareWithFewerControlPoints)
+{
+  const Sites sites{ Line(60), Line(40), Line(1) };
+  Eigen::MatrixXd samples = Sample(sites, Bump);
+  // A single spike, which the largest error would have to follow.
+  samples.col(20 + 60 * 10) += Eigen::Vector2d(0.5, 0.0);
+  Eigen::Index before = 0;
+  for (double tolerance : { 1e-1, 3e-2, 1e-2 })
+  {
+    const Spline spline =
+      FitToTolerance({ 3, 3, 3 }, sites, samples, tolerance, ErrorMeasure::RootMeanSquare);
+    EXPECT_LE(MeasureError(spline, sites, Reader(samples)).RootMeanSquare, tolerance);
+    EXPECT_GE(spline.NumberOfControlPoints(), before);
+    before = spline.NumberOfControlPoints();
+    EXPECT_LT(2 * before,
+      FitToTolerance({ 3, 3, 3 }, sites, samples, tolerance, ErrorMeasure::Maximum)
+        .NumberOfControlPoints());
   }
 }
 
@@ -157,7 +180,7 @@ TEST(FitToTolerance, GoesOnWhereTheIntervalsAroundAnErrorAreFull)
   const Sites sites{ Line(27), Line(1), Line(1) };
   Eigen::MatrixXd samples = Eigen::MatrixXd::Zero(1, 27);
   samples(0, 8) = 1.0;
-  const Spline spline = FitToTolerance({ 4, 1, 1 }, sites, samples, 0.125);
+  const Spline spline = FitToTolerance({ 4, 1, 1 }, sites, samples, 0.125, ErrorMeasure::Maximum);
   EXPECT_LE(MeasureError(spline, { sites[0], { 0.5 }, { 0.5 } }, Reader(samples)).Maximum, 0.125);
   EXPECT_LT(spline.NumberOfControlPoints(), 27);
 }
@@ -168,12 +191,12 @@ TEST(FitToTolerance, RefusesBadToleranceAndTooFewSamples)
   const Eigen::MatrixXd samples = Eigen::MatrixXd::Ones(1, 36);
   ExpectError(
     [&] {
-      static_cast<void>(FitToTolerance({ 2, 2, 2 }, sites, samples, 0.0));
+      static_cast<void>(FitToTolerance({ 2, 2, 2 }, sites, samples, 0.0, ErrorMeasure::Maximum));
     },
     "target error");
   ExpectError(
     [&] {
-      static_cast<void>(FitToTolerance({ 3, 3, 3 }, sites, samples, 0.1));
+      static_cast<void>(FitToTolerance({ 3, 3, 3 }, sites, samples, 0.1, ErrorMeasure::Maximum));
     },
     "3 samples");
 }

@@ -109,14 +109,20 @@ TEST(FitScattered, MeetsATolerance)
   // y is the longest side of the box, z the shortest.
   EXPECT_GT(spline.Knots(1).Spans().size(), spline.Knots(2).Spans().size());
 
+  ScatteredFitOptions mean = options;
+  mean.Measure = ErrorMeasure::RootMeanSquare;
+  const Spline fewer = FitScattered(points, values, Low, High, mean);
+  EXPECT_LE(MeasureError(fewer, points, values).RootMeanSquare, 0.1);
+  EXPECT_LT(fewer.NumberOfControlPoints(), spline.NumberOfControlPoints());
+
   // Contradicting data are averaged, and end the search.
   Eigen::Matrix3Xd twice(3, 2);
   twice << 0, 0, 1, 1, 2.5, 2.5;
   Eigen::MatrixXd two(1, 2);
   two << 1, 3;
-  const Spline mean = FitScattered(twice, two, Low, High, options);
-  EXPECT_NEAR(mean.Evaluate(0, 1, 2.5)[0], 2.0, 1e3 * Epsilon);
-  EXPECT_LE(mean.NumberOfControlPoints(), 4 * 2 + 64);
+  const Spline average = FitScattered(twice, two, Low, High, options);
+  EXPECT_NEAR(average.Evaluate(0, 1, 2.5)[0], 2.0, 1e3 * Epsilon);
+  EXPECT_LE(average.NumberOfControlPoints(), 4 * 2 + 64);
 }
 
 TEST(FitScattered, ALevelIsThatOfLeeWolbergAndShin)
