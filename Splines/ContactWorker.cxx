@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ContactWorker.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace hyperpatch
 {
@@ -103,53 +106,102 @@ struct Orientation
   std::array<bool, 2> Flip;
 };
 
-/// Whether all control points agree.
+/// The control points of a face, edge or corner, first free direction fastest.
+struct FeatureLattice
+{
+  std::array<int, 2> Degrees{ 0, 0 };
+  Eigen::Matrix4Xd Points; ///< homogeneous
+
+  [[nodiscard]] Eigen::Index Index(int i, int j) const { return i + j * (this->Degrees[0] + 1); }
+
+  void RaiseTo(const std::array<int, 2>& degrees)
+  {
+    for (std::size_t d = 0; d < 2; ++d)
+    {
+      while (this->Degrees[d] < degrees[d])
+      {
+        FeatureLattice raised{ this->Degrees, {} };
+        const int n = ++raised.Degrees[d];
+        raised.Points.resize(4, (raised.Degrees[0] + 1) * (raised.Degrees[1] + 1));
+        for (int j = 0; j <= raised.Degrees[1]; ++j)
+        {
+          for (int i = 0; i <= raised.Degrees[0]; ++i)
+          {
+            const int k = d == 0 ? i : j;
+            const auto at = [&](int l)
+            {
+              const int within = std::clamp(l, 0, n - 1);
+              return this->Points.col(d == 0 ? this->Index(within, j) : this->Index(i, within));
+            };
+            raised.Points.col(raised.Index(i, j)) = (k * at(k - 1) + (n - k) * at(k)) / n;
+          }
+        }
+        *this = std::move(raised);
+      }
+    }
+  }
+};
+
+/// Whether all control points agree, those of the lower degree raised to the higher one.
 bool Agree(const BezierPiece& a, const Feature& fa, const BezierPiece& b, const Feature& fb,
   const Orientation& orientation, double distance)
 {
-  std::array<int, 2> n{ 0, 0 };
+  std::array<int, 2> na{ 0, 0 };
+  std::array<int, 2> nb{ 0, 0 };
   std::array<Eigen::Index, 2> stepA{ 0, 0 };
   std::array<Eigen::Index, 2> stepB{ 0, 0 };
-  Eigen::Index ib = Begin(b, fb.End);
+  const Eigen::Index beginA = Begin(a, fa.End);
+  Eigen::Index beginB = Begin(b, fb.End);
   for (std::size_t i = 0; i < fa.Free.size(); ++i)
   {
     const int da = fa.Free[i];
     const int db = fb.Free[orientation.Swap ? 1 - i : i];
-    if (a.Degree(da) != b.Degree(db))
-    {
-      return false;
-    }
-    n[i] = a.Degree(da);
+    na[i] = a.Degree(da);
+    nb[i] = b.Degree(db);
     stepA[i] = a.Stride(da);
     stepB[i] = b.Stride(db);
     if (orientation.Flip[i])
     {
-      ib += n[i] * stepB[i];
+      beginB += nb[i] * stepB[i];
       stepB[i] = -stepB[i];
     }
   }
-  const Eigen::Index ia = Begin(a, fa.End);
-  const auto agree = [&](int i, int j)
-  {
-    const Eigen::Index pa = ia + i * stepA[0] + j * stepA[1];
-    const Eigen::Index pb = ib + i * stepB[0] + j * stepB[1];
-    const double ratio = WeightAt(a, pa) * WeightAt(b, ib) / (WeightAt(a, ia) * WeightAt(b, pb));
-    return (a.Projected().col(pa) - b.Projected().col(pb)).norm() <= distance &&
-      std::abs(ratio - 1.0) <= WeightTolerance;
-  };
   // Ends first: they differ where the features do.
-  if (!agree(0, 0) || !agree(n[0], n[1]))
+  const auto areNear = [&](Eigen::Index pa, Eigen::Index pb)
+  { return (a.Projected().col(pa) - b.Projected().col(pb)).norm() <= distance; };
+  if (!areNear(beginA, beginB) ||
+    !areNear(
+      beginA + na[0] * stepA[0] + na[1] * stepA[1], beginB + nb[0] * stepB[0] + nb[1] * stepB[1]))
   {
     return false;
   }
-  for (int j = 0; j <= n[1]; ++j)
+  const auto latticeOf = [](const BezierPiece& piece, Eigen::Index begin,
+                           const std::array<Eigen::Index, 2>& step, const std::array<int, 2>& n)
   {
-    for (int i = 0; i <= n[0]; ++i)
+    FeatureLattice lattice{ n, Eigen::Matrix4Xd(4, (n[0] + 1) * (n[1] + 1)) };
+    for (int j = 0; j <= n[1]; ++j)
     {
-      if (!agree(i, j))
+      for (int i = 0; i <= n[0]; ++i)
       {
-        return false;
+        const Eigen::Index at = begin + i * step[0] + j * step[1];
+        lattice.Points.col(lattice.Index(i, j)) << WeightAt(piece, at) * piece.Projected().col(at),
+          WeightAt(piece, at);
       }
+    }
+    return lattice;
+  };
+  FeatureLattice ofA = latticeOf(a, beginA, stepA, na);
+  FeatureLattice ofB = latticeOf(b, beginB, stepB, nb);
+  ofA.RaiseTo(nb);
+  ofB.RaiseTo(na);
+  for (Eigen::Index i = 0; i < ofA.Points.cols(); ++i)
+  {
+    const double ratio =
+      ofA.Points(3, i) * ofB.Points(3, 0) / (ofA.Points(3, 0) * ofB.Points(3, i));
+    if (!((ofA.Points.col(i).hnormalized() - ofB.Points.col(i).hnormalized()).norm() <= distance) ||
+      !(std::abs(ratio - 1.0) <= WeightTolerance))
+    {
+      return false;
     }
   }
   return true;

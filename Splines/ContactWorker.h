@@ -54,9 +54,9 @@ struct SharedFeature
 [[nodiscard]] std::optional<Contact> LatticeContact(std::array<int, 3> offset);
 
 /// Contacts of elements by their control points: faces, edges and corners whose control points and
-/// (up to a factor) weights agree. Points that belong to a face of which they agree as well are not
-/// listed again. a and b may be the same element, whose collapsed sides are contacts then.
-/// \param distance up to which control points are the same
+/// (up to a factor) weights agree, raised to the same degrees. Points that belong to a face of
+/// which they agree as well are not listed again. a and b may be the same element, whose collapsed
+/// sides are contacts then. \param distance up to which control points are the same
 [[nodiscard]] std::vector<Contact> FindContacts(
   const BezierPiece& a, const BezierPiece& b, double distance);
 

@@ -3,6 +3,7 @@
 #include "Evaluator.h"
 #include "GlobalInjectivity.h"
 #include "Operators.h"
+#include "Reparametrise.h"
 #include "Splines/Models.h"
 #include "Splines/ValidityModels.h"
 
@@ -248,6 +249,27 @@ TEST(GlobalInjectivity, FacesThatTouchWithoutCommonControlPointsStayUndecided)
   EXPECT_EQ(result.Verdict, 0);
   EXPECT_EQ(result.UndecidedPairs, 1u);
   EXPECT_EQ(result.UndecidedElements, 0u);
+}
+
+TEST(GlobalInjectivity, FacesThatTouchMayHaveDifferentDegrees)
+{
+  // Two sectors one above the other, and beside each other: one of higher degrees, the other way
+  // round.
+  const Spline below = Sector(0.5, 0.0, 1.0);
+  const auto raised = [](const Spline& spline)
+  { return ElevateDegree(ElevateDegree(ElevateDegree(spline, 0, 2), 1), 2, 3); };
+  Eigen::MatrixXd points = Sector(0.5, 0.0, 1.0).Coefficients();
+  points.row(2).array() += 2.0;
+  const Spline above(below.Knots(), points, below.Weights());
+  for (const Spline& other : { above, Sector(0.5, 1.0, 2.5) })
+  {
+    EXPECT_EQ(Tested({ below, raised(other) }).Verdict, 1);
+    EXPECT_EQ(Tested({ below, ReverseDirection(raised(other), 1) }).Verdict, 1);
+    EXPECT_EQ(Tested({ raised(below), other }).Verdict, 1);
+  }
+  // The same face, but not the same points of it.
+  points.row(0) = above.Coefficients().row(0) * 1.001;
+  EXPECT_NE(Tested({ below, raised(Spline(below.Knots(), points, below.Weights())) }).Verdict, 1);
 }
 
 TEST(GlobalInjectivity, CurvedPatchesAroundAnEdgeMeetThereOnly)
