@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sampled data become splines: NURBS Fit in ParaView."""
 import os
+import subprocess
 import tempfile
 import unittest
 
@@ -113,6 +114,21 @@ class RealVolumes(unittest.TestCase):
                                       Isosurfaces=[128])
         surface = common.fetch(contour)
         self.assertGreater(surface.GetNumberOfCells(), 5000)
+
+    def test_the_example_draws_a_smooth_scan(self):
+        script = os.path.join(os.path.dirname(common.DATA), 'Examples', 'smooth_scan.py')
+        plugins = os.path.dirname(os.path.dirname(os.environ['HYPERPATCH_PLUGIN']))
+        with tempfile.TemporaryDirectory() as folder:
+            picture = os.path.join(folder, 'scan.png')
+            run = subprocess.run([common.PVPYTHON, script, volume('ironProt.vtk'), '128', picture],
+                                 env={**os.environ, 'PV_PLUGIN_PATH': plugins}, text=True,
+                                 capture_output=True, check=True)
+            self.assertIn('ControlPoints: 314432', run.stdout)
+            drawn = (common.read_picture(picture) != 255).any(axis=2)
+            left, right = drawn[:, :600].sum(), drawn[:, 600:].sum()
+            self.assertGreater(left, 10000)
+            # Two views of about the same: perspective, and what smoothing takes off.
+            self.assertAlmostEqual(right / left, 1, delta=0.1)
 
     def test_flow_grids_are_compressed_with_their_fields(self):
         for name in 'comb', 'bluntfin':
