@@ -168,9 +168,12 @@ void ZeroSet::Worker::SetLines(std::array<CellLines, 3> lines)
 {
   this->Lines = std::move(lines);
   this->Scale = this->High - this->Low;
+  this->AreLinesTurned = false;
   for (const int d : this->Axes)
   {
-    this->Scale[d] /= this->Lines[static_cast<std::size_t>(d)].NumberOfRoots();
+    const CellLines& own = this->Lines[static_cast<std::size_t>(d)];
+    this->Scale[d] /= own.NumberOfRoots();
+    this->AreLinesTurned = this->AreLinesTurned != own.IsMirrored();
   }
 }
 

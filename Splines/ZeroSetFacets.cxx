@@ -834,6 +834,10 @@ void ZeroSet::Worker::FillLeaf(const Leaf& leaf, Scratch& scratch, Facets& facet
 {
   facets.IsWithinTolerance = this->FindLoops(leaf, scratch.Loops);
   this->FindFlatLoops(leaf, scratch.Loops);
+  for (std::size_t i = 0; i < scratch.Loops.size() && this->AreLinesTurned; ++i)
+  {
+    std::reverse(scratch.Loops[i].begin(), scratch.Loops[i].end());
+  }
   facets.Inner.Resize(*this, 0);
   for (const std::vector<Index>& loop : scratch.Loops)
   {

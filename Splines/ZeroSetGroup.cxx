@@ -986,10 +986,14 @@ void ZeroSetGroup::Worker::ExchangeCurves()
         {
           const double a = engine.Shared.Parameters(d, curve.From);
           const double b = engine.Shared.Parameters(d, curve.To);
-          const double own =
-            this->Topology.FromClass(this->Part(m), d, from[axis[static_cast<std::size_t>(d)]]);
+          const double x = std::clamp(
+            this->Topology.FromClass(this->Part(m), d, from[axis[static_cast<std::size_t>(d)]]),
+            engine.Low[d], engine.High[d]);
+          // What runs along a line has its bits.
+          const bool isOnLine = curve.EdgeAxis >= 0 ? d != curve.EdgeAxis : d == curve.Normal;
+          const double same = 1e-12 * (engine.High[d] - engine.Low[d]);
           engine.Shared.Parameters(d, curve.First + i) =
-            a == b ? a : std::clamp(own, engine.Low[d], engine.High[d]);
+            isOnLine || (a == b && std::abs(x - a) <= same) ? a : x;
         }
       }
     }

@@ -119,7 +119,8 @@ void ZeroSet::Worker::Assemble()
       for (Index i = 0; i <= curve.Count && axes == 2; ++i)
       {
         const Index to = i < curve.Count ? curve.First + i : curve.To;
-        indices.insert(indices.end(), { from, to });
+        const auto [begin, end] = this->AreLinesTurned ? std::pair(to, from) : std::pair(from, to);
+        indices.insert(indices.end(), { begin, end });
         leafOf.push_back(0);
         from = to;
       }
@@ -134,6 +135,14 @@ void ZeroSet::Worker::Assemble()
     }
   }
   const auto count = static_cast<Index>(leafOf.size());
+  if (axes == 3 && this->Options.Handedness < 0)
+  {
+    for (Index c = 0; c < count; ++c)
+    {
+      std::swap(
+        indices[static_cast<std::size_t>(3 * c + 1)], indices[static_cast<std::size_t>(3 * c + 2)]);
+    }
+  }
   this->OpenEdges.clear();
   if (axes == 3)
   {
@@ -230,14 +239,6 @@ void ZeroSet::Worker::Assemble()
   for (Index& corner : indices)
   {
     corner = corner < 0 ? outer - 1 - corner : corner;
-  }
-  if (axes == 3 && this->Options.Handedness < 0)
-  {
-    for (Index c = 0; c < count; ++c)
-    {
-      std::swap(
-        indices[static_cast<std::size_t>(3 * c + 1)], indices[static_cast<std::size_t>(3 * c + 2)]);
-    }
   }
   this->Mesh.Parameters = std::move(all.Parameters);
   this->Mesh.Points = std::move(all.Points);

@@ -291,6 +291,7 @@ private:
   std::array<double, 3> Lengths{};  ///< of the lines through the middle of the domain, in space
   std::array<bool, 6> GoesBeyond{}; ///< per side, whether the model goes on beyond it
   std::array<CellLines, 3> Lines;
+  bool AreLinesTurned = false; ///< against parameters: mirrored in one direction, or in three
   Eigen::Vector3d Scale;     ///< of parameters: 1 is the width of a root cell
   Eigen::Vector3d Low, High; ///< the domain
   double DomainWidth = 0.0;  ///< the longest of Lengths

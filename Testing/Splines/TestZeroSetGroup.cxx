@@ -1,0 +1,647 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Interfaces.h"
+#include "Operators.h"
+#include "QuadricField.h"
+#include "Splines/Models.h"
+#include "ZeroSetGroup.h"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <condition_variable>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <numeric>
+#include <set>
+#include <thread>
+
+using namespace hyperpatch;
+
+namespace
+{
+
+constexpr double Pi = 3.14159265358979323846;
+
+/// Another parametrisation of the same volume: direction d of the result is direction from[d] of
+/// the spline, run backwards where flipped[d].
+struct Turn
+{
+  std::array<int, 3> From{ 0, 1, 2 };
+  std::array<bool, 3> Flipped{};
+
+  static Turn Number(int n)
+  {
+    Turn turn;
+    for (int i = 0; i < n % 6; ++i)
+    {
+      std::next_permutation(turn.From.begin(), turn.From.end());
+    }
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      turn.Flipped[d] = (n / 6 >> d & 1) != 0;
+    }
+    return turn;
+  }
+  [[nodiscard]] int Sign() const
+  {
+    const int inversions = (From[0] > From[1]) + (From[0] > From[2]) + (From[1] > From[2]);
+    return (inversions + Flipped[0] + Flipped[1] + Flipped[2]) % 2 == 0 ? 1 : -1;
+  }
+};
+
+Spline Turned(const Spline& spline, const Turn& turn)
+{
+  std::array<KnotVector, 3> knots;
+  std::array<int, 3> sizes{};
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const KnotVector& old = spline.Knots(turn.From[d]);
+    std::vector<double> k = old.Knots();
+    if (turn.Flipped[d])
+    {
+      for (double& x : k)
+      {
+        x = old.First() + old.Last() - x;
+      }
+      std::reverse(k.begin(), k.end());
+    }
+    knots[d] = KnotVector(old.Degree(), k);
+    sizes[d] = old.Size();
+  }
+  const auto n = spline.Sizes();
+  Eigen::MatrixXd points(spline.Components(), spline.NumberOfControlPoints());
+  Eigen::VectorXd weights(spline.IsRational() ? points.cols() : 0);
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+  {
+    const std::array<Eigen::Index, 3> at{ i % sizes[0], i / sizes[0] % sizes[1],
+      i / (sizes[0] * sizes[1]) };
+    std::array<Eigen::Index, 3> old{};
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      old[static_cast<std::size_t>(turn.From[d])] = turn.Flipped[d] ? sizes[d] - 1 - at[d] : at[d];
+    }
+    const Eigen::Index from = old[0] + n[0] * (old[1] + n[1] * old[2]);
+    points.col(i) = spline.Coefficients().col(from);
+    if (spline.IsRational())
+    {
+      weights[i] = spline.Weights()[from];
+    }
+  }
+  return Spline(knots, points, weights);
+}
+
+/// A curved rational volume about the unit cube, with an attribute of another basis.
+Aggregate Curved(int seed)
+{
+  std::mt19937 random(static_cast<unsigned>(seed));
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const KnotVector k(2, { 0, 0, 0, 0.3, 0.8, 1, 1, 1 });
+  Eigen::MatrixXd points(3, 125);
+  Eigen::VectorXd weights(125);
+  for (int i = 0; i < 125; ++i)
+  {
+    points.col(i) << k.Greville(i % 5), k.Greville(i / 5 % 5), k.Greville(i / 25);
+    points.col(i) += 0.04 * Eigen::Vector3d(unit(random), unit(random), unit(random));
+    weights[i] = 1.0 + 0.2 * unit(random);
+  }
+  const KnotVector a = KnotVector::Uniform(3, 6);
+  return Aggregate(Spline({ k, k, k }, points, weights),
+    { { "A", models::RandomSpline(random, { a, a, a }, 1, true) } });
+}
+
+/// The parts of a volume between cuts in the middle of directions, each in a turned
+/// parametrisation, with their interfaces.
+MultiPatch Split(const Aggregate& whole, std::array<int, 3> pieces, const std::vector<Turn>& turns)
+{
+  MultiPatch model;
+  for (int i = 0; i < pieces[0] * pieces[1] * pieces[2]; ++i)
+  {
+    const std::array<int, 3> at{ i % pieces[0], i / pieces[0] % pieces[1],
+      i / (pieces[0] * pieces[1]) };
+    std::array<double, 3> low{};
+    std::array<double, 3> high{};
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      low[d] = static_cast<double>(at[d]) / pieces[d];
+      high[d] = static_cast<double>(at[d] + 1) / pieces[d];
+    }
+    const Turn& turn = turns[static_cast<std::size_t>(i)];
+    std::vector<Attribute> attributes;
+    for (const Attribute& attribute : whole.Attributes())
+    {
+      attributes.push_back(
+        { attribute.Name, Turned(RestrictToBox(attribute.Field, low, high), turn) });
+    }
+    model.Patches.push_back(
+      { i, Aggregate(Turned(RestrictToBox(whole.Geometry(), low, high), turn), attributes) });
+    model.Patches.back().WholeHandedness = turn.Sign();
+  }
+  model.Interfaces = FindInterfaces(model, 1e-9);
+  return model;
+}
+
+using MakeField = std::function<std::shared_ptr<const ScalarField>(const PreparedAggregate&)>;
+
+MakeField Slice(const Quadric& quadric)
+{
+  return [quadric](const PreparedAggregate& body)
+  { return std::make_shared<const QuadricField>(body.Geometry(), quadric, true); };
+}
+
+MakeField Isosurface(double value)
+{
+  return [value](const PreparedAggregate& body)
+  {
+    return std::make_shared<const QuadricField>(
+      body.Attributes()[0], ComponentEquals(body.Attributes()[0]->Spline(), 0, value), false);
+  };
+}
+
+Quadric Sphere(const Eigen::Vector3d& centre, double radius)
+{
+  return { Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero(), -radius * radius, centre };
+}
+
+Quadric Plane(const Eigen::Vector3d& normal, const Eigen::Vector3d& origin)
+{
+  return { Eigen::MatrixXd(), normal, 0.0, origin };
+}
+
+/// What a group draws, all members together.
+struct Drawn
+{
+  std::vector<ZeroSetMesh> Meshes;
+  ZeroSetCertificate Certificate;
+};
+
+Drawn Draw(const std::vector<const Patch*>& patches, const std::vector<Interface>& interfaces,
+  const MakeField& makeField, double tolerance, ZeroSetGroup::Ranks ranks = {},
+  ParallelFor parallelFor = SerialFor)
+{
+  std::vector<ZeroSetGroup::Member> members;
+  std::vector<std::shared_ptr<const ScalarField>> fields;
+  for (const Patch* patch : patches)
+  {
+    auto body = std::make_shared<const PreparedAggregate>(patch->Body);
+    fields.push_back(makeField(*body));
+    ZeroSetOptions options;
+    options.Tolerance = tolerance;
+    options.Handedness = patch->WholeHandedness < 0 ? -1 : 1;
+    members.push_back({ patch, body, fields.back().get(), 0, options });
+  }
+  ZeroSetGroup group(members, interfaces, std::move(ranks), std::move(parallelFor));
+  EXPECT_TRUE(group.Extract());
+  Drawn drawn{ {}, group.Certificate() };
+  for (std::size_t m = 0; m < members.size(); ++m)
+  {
+    drawn.Meshes.push_back(group.Mesh(m));
+  }
+  return drawn;
+}
+
+Drawn Draw(const MultiPatch& model, const MakeField& makeField, double tolerance)
+{
+  std::vector<const Patch*> patches;
+  for (const Patch& patch : model.Patches)
+  {
+    patches.push_back(&patch);
+  }
+  return Draw(patches, model.Interfaces, makeField, tolerance);
+}
+
+/// Meshes welded where coordinates have the same bits.
+struct Welded
+{
+  long Open = 0;  ///< edges without a partner of the opposite direction
+  long Twice = 0; ///< edges used more than once in a direction
+  long Euler = 0; ///< vertices - edges + triangles
+  double Area = 0.0;
+  std::set<std::array<double, 3>> Points;
+  Eigen::AlignedBox3d OpenBox;
+};
+
+Welded Weld(const std::vector<ZeroSetMesh>& meshes)
+{
+  Welded welded;
+  std::map<std::array<double, 3>, long> numbers;
+  std::map<std::pair<long, long>, int> edges;
+  std::vector<Eigen::Vector3d> at;
+  std::set<long> used;
+  long triangles = 0;
+  for (const ZeroSetMesh& mesh : meshes)
+  {
+    for (Eigen::Index c = 0; c < mesh.Cells.cols(); ++c)
+    {
+      std::array<long, 3> corner{};
+      std::array<Eigen::Vector3d, 3> x;
+      for (std::size_t k = 0; k < 3; ++k)
+      {
+        x[k] = mesh.Points.col(mesh.Cells(static_cast<Eigen::Index>(k), c));
+        const auto [found, isNew] =
+          numbers.try_emplace({ x[k][0], x[k][1], x[k][2] }, static_cast<long>(numbers.size()));
+        corner[k] = found->second;
+        if (isNew)
+        {
+          at.push_back(x[k]);
+        }
+      }
+      welded.Area += 0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm();
+      ++triangles;
+      for (std::size_t k = 0; k < 3; ++k)
+      {
+        used.insert(corner[k]);
+        ++edges[{ corner[k], corner[(k + 1) % 3] }];
+      }
+    }
+  }
+  long undirected = 0;
+  for (const auto& [edge, count] : edges)
+  {
+    const auto partner = edges.find({ edge.second, edge.first });
+    welded.Twice += count > 1 ? 1 : 0;
+    if (partner == edges.end())
+    {
+      ++welded.Open;
+      welded.OpenBox.extend(at[static_cast<std::size_t>(edge.first)]);
+      welded.OpenBox.extend(at[static_cast<std::size_t>(edge.second)]);
+    }
+    undirected += edge.first < edge.second || partner == edges.end() ? 1 : 0;
+  }
+  welded.Euler = static_cast<long>(used.size()) - undirected + triangles;
+  for (const auto& entry : numbers)
+  {
+    welded.Points.insert(entry.first);
+  }
+  return welded;
+}
+
+void ExpectNoCrack(const ZeroSetCertificate& certificate)
+{
+  EXPECT_EQ(certificate.OpenEdgesInside, 0);
+  EXPECT_EQ(certificate.OpenEdgesOnInterfaces, 0);
+  EXPECT_EQ(certificate.UndecidedCells, 0);
+  EXPECT_TRUE(certificate.ToleranceReached);
+}
+
+/// Runs work(rank, gather) for each rank in a thread of its own.
+void OnRanks(int count, const std::function<void(ZeroSetGroup::Ranks)>& work)
+{
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<std::vector<double>> given(static_cast<std::size_t>(count));
+  int arrived = 0;
+  int left = 0;
+  const auto gather = [&](int rank, const std::vector<double>& records)
+  {
+    std::unique_lock<std::mutex> lock(mutex);
+    changed.wait(lock, [&] { return left == 0; });
+    given[static_cast<std::size_t>(rank)] = records;
+    ++arrived;
+    changed.notify_all();
+    changed.wait(lock, [&] { return arrived == count; });
+    std::vector<double> all;
+    for (const auto& one : given)
+    {
+      all.insert(all.end(), one.begin(), one.end());
+    }
+    if (++left == count)
+    {
+      arrived = left = 0;
+    }
+    changed.notify_all();
+    // Nobody begins the next one before all have read this one.
+    changed.wait(lock, [&] { return left == 0; });
+    return all;
+  };
+  std::vector<std::thread> threads;
+  for (int rank = 0; rank < count; ++rank)
+  {
+    threads.emplace_back(
+      [&, rank]
+      {
+        work({ rank,
+          [&gather, rank](const std::vector<double>& records) { return gather(rank, records); } });
+      });
+  }
+  for (std::thread& thread : threads)
+  {
+    thread.join();
+  }
+}
+
+}
+
+TEST(ZeroSetGroup, TwoPatchesInEveryOrientationGiveOneSphere)
+{
+  const Aggregate whole = Curved(1);
+  for (int n = 0; n < 48; ++n)
+  {
+    const MultiPatch model =
+      Split(whole, { 2, 1, 1 }, { Turn::Number(n * 7 % 48), Turn::Number(n) });
+    ASSERT_EQ(model.Interfaces.size(), 1u);
+    const Drawn drawn = Draw(model, Slice(Sphere({ 0.51, 0.48, 0.5 }, 0.3)), 3e-3);
+    const Welded welded = Weld(drawn.Meshes);
+    EXPECT_EQ(welded.Open, 0) << n;
+    EXPECT_EQ(welded.Twice, 0) << n;
+    EXPECT_EQ(welded.Euler, 2) << n;
+    ExpectNoCrack(drawn.Certificate);
+    EXPECT_EQ(drawn.Certificate.OpenEdgesOnBoundary, 0);
+    // Its points on the common face are those of both sides.
+    EXPECT_GT(
+      static_cast<std::size_t>(drawn.Meshes[0].Points.cols() + drawn.Meshes[1].Points.cols()),
+      welded.Points.size());
+  }
+}
+
+TEST(ZeroSetGroup, EightPatchesAroundAVertexGiveOneSurface)
+{
+  std::mt19937 random(5);
+  for (int seed = 0; seed < 12; ++seed)
+  {
+    std::vector<Turn> turns;
+    for (int i = 0; i < 8; ++i)
+    {
+      turns.push_back(Turn::Number(static_cast<int>(random() % 48)));
+    }
+    const MultiPatch model = Split(Curved(seed), { 2, 2, 2 }, turns);
+    ASSERT_EQ(model.Interfaces.size(), 12u);
+    const Drawn sphere = Draw(model, Slice(Sphere({ 0.5, 0.5, 0.5 }, 0.3)), 1e-2);
+    Welded welded = Weld(sphere.Meshes);
+    EXPECT_EQ(welded.Open, 0) << seed;
+    EXPECT_EQ(welded.Euler, 2) << seed;
+    ExpectNoCrack(sphere.Certificate);
+
+    const Drawn iso = Draw(model, Isosurface(0.05), 1e-2);
+    welded = Weld(iso.Meshes);
+    EXPECT_EQ(welded.Open, iso.Certificate.OpenEdgesOnBoundary) << seed;
+    EXPECT_EQ(welded.Twice, 0) << seed;
+    EXPECT_EQ(iso.Certificate.OpenEdgesInside, 0) << seed;
+    EXPECT_EQ(iso.Certificate.OpenEdgesOnInterfaces, 0) << seed;
+  }
+}
+
+TEST(ZeroSetGroup, PlanesThroughVerticesEdgesAndFacesOfEightPatchesAreClosed)
+{
+  // The unit cube: planes meet its interfaces exactly.
+  const KnotVector k = KnotVector::Uniform(2, 4);
+  Eigen::MatrixXd points(3, 64);
+  for (int i = 0; i < 64; ++i)
+  {
+    points.col(i) << k.Greville(i % 4), k.Greville(i / 4 % 4), k.Greville(i / 16);
+  }
+  std::mt19937 random(2);
+  const Eigen::Vector3d middle(0.5, 0.5, 0.5);
+  for (int seed = 0; seed < 6; ++seed)
+  {
+    std::vector<Turn> turns;
+    for (int i = 0; i < 8; ++i)
+    {
+      turns.push_back(Turn::Number(seed == 0 ? 0 : static_cast<int>(random() % 48)));
+    }
+    const MultiPatch model = Split(Aggregate(Spline({ k, k, k }, points)), { 2, 2, 2 }, turns);
+    for (const Eigen::Vector3d& normal : { Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, -1, 0),
+           Eigen::Vector3d(1, 1, 0), Eigen::Vector3d(1, -1, 0), Eigen::Vector3d(0, 1, 1),
+           Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(1, 2, 0), Eigen::Vector3d(0.3, -0.2, 1.0) })
+    {
+      const Drawn drawn = Draw(model, Slice(Plane(normal, middle)), 1e-3);
+      const Welded welded = Weld(drawn.Meshes);
+      // The area of the plane in the cube, from the length of its outline in two dimensions.
+      const Eigen::Vector3d n = normal.cwiseAbs() / normal.norm();
+      if (n.minCoeff() == 0.0)
+      {
+        EXPECT_NEAR(welded.Area, 1.0 / n.maxCoeff(), 1e-12) << seed << " " << normal.transpose();
+      }
+      EXPECT_EQ(welded.Euler, 1) << seed << " " << normal.transpose();
+      EXPECT_EQ(welded.Twice, 0) << seed << " " << normal.transpose();
+      EXPECT_EQ(drawn.Certificate.OpenEdgesInside, 0) << seed << " " << normal.transpose();
+      EXPECT_EQ(drawn.Certificate.OpenEdgesOnInterfaces, 0) << seed << " " << normal.transpose();
+      EXPECT_EQ(welded.Open, drawn.Certificate.OpenEdgesOnBoundary)
+        << seed << " " << normal.transpose();
+    }
+  }
+}
+
+/// A ring about the z axis of inner radius 1 and outer radius 2, closed with itself: u the radius,
+/// v around, w the height; turned by `twist` half turns of its section on the way.
+Aggregate Ring(int twist)
+{
+  const KnotVector u = KnotVector::Uniform(1, 2);
+  const KnotVector v = KnotVector::Uniform(1, 13);
+  Eigen::MatrixXd points(3, 52);
+  Eigen::MatrixXd field(1, 52);
+  for (int i = 0; i < 52; ++i)
+  {
+    const int j = i / 2 % 13 % 12;
+    const bool isLast = i / 2 % 13 == 12;
+    const double angle = 2.0 * Pi * j / 12.0;
+    const double turn = twist * 0.5 * angle + (isLast ? twist * Pi : 0.0);
+    const Eigen::Vector2d section(i % 2 - 0.5, i / 26 - 0.5);
+    const Eigen::Vector2d at = Eigen::Rotation2Dd(turn) * section;
+    points.col(i) << (1.5 + at[0]) * std::cos(angle), (1.5 + at[0]) * std::sin(angle), at[1];
+    field(0, i) = at.squaredNorm() + 0.1 * std::cos(angle) + 0.2 * section[0] * (twist ? 0 : 1);
+  }
+  return Aggregate(Spline({ u, v, u }, points), { { "A", Spline({ u, v, u }, field) } });
+}
+
+TEST(ZeroSetGroup, ThePipeClosesAtItsSeam)
+{
+  MultiPatch model;
+  model.Patches.push_back({ 7, Ring(0) });
+  model.Interfaces = FindInterfaces(model, 1e-9);
+  ASSERT_EQ(model.Interfaces.size(), 1u);
+  // Across the seam at (1.5, 0, 0).
+  const Drawn sphere = Draw(model, Slice(Sphere({ 1.5, 0.02, 0.03 }, 0.3)), 1e-3);
+  const Welded welded = Weld(sphere.Meshes);
+  EXPECT_EQ(welded.Open, 0);
+  EXPECT_EQ(welded.Euler, 2);
+  ExpectNoCrack(sphere.Certificate);
+  // All around: a plane between, whose two outlines are closed.
+  const Drawn plane = Draw(model, Slice(Plane({ 0, 0, 1 }, { 0, 0, 0.1 })), 1e-3);
+  EXPECT_EQ(Weld(plane.Meshes).Euler, 0);
+  ExpectNoCrack(plane.Certificate);
+}
+
+TEST(ZeroSetGroup, AOneSidedRingIsLeftOpenAndCounted)
+{
+  MultiPatch model;
+  model.Patches.push_back({ 0, Ring(1) });
+  model.Interfaces = FindInterfaces(model, 1e-9);
+  ASSERT_EQ(model.Interfaces.size(), 1u);
+  const Drawn drawn = Draw(model, Slice(Plane({ 0, 0, 1 }, { 0, 0, 0.1 })), 1e-2);
+  EXPECT_GT(drawn.Certificate.OpenEdgesOnInterfaces, 0);
+  EXPECT_EQ(drawn.Certificate.OpenEdgesInside, 0);
+}
+
+TEST(ZeroSetGroup, AnIsosurfaceIsLeftOpenWhereItsAttributeJumps)
+{
+  MultiPatch model = Split(Curved(3), { 2, 1, 1 }, { Turn(), Turn::Number(17) });
+  const Aggregate& body = model.Patches[1].Body;
+  const Spline& old = body.Attributes()[0].Field;
+  for (const double jump : { 1e-12, 1e-3 })
+  {
+    MultiPatch other = model;
+    other.Patches[1].Body = Aggregate(body.Geometry(),
+      { { "A", Spline(old.Knots(), old.Coefficients().array() + jump, old.Weights()) } });
+    const Drawn drawn = Draw(other, Isosurface(0.05), 1e-2);
+    EXPECT_EQ(drawn.Certificate.OpenEdgesInside, 0);
+    EXPECT_EQ(drawn.Certificate.OpenEdgesOnInterfaces > 0, jump > 1e-6);
+    // A slice knows nothing of it.
+    const Drawn slice = Draw(other, Slice(Sphere({ 0.5, 0.5, 0.5 }, 0.3)), 1e-2);
+    EXPECT_EQ(Weld(slice.Meshes).Open, 0);
+  }
+}
+
+TEST(ZeroSetGroup, PatchesOfOtherKnotsOrDegreesCloseWhereTheMapsAgree)
+{
+  MultiPatch model = Split(Curved(4), { 2, 1, 1 }, { Turn(), Turn::Number(29) });
+  const Aggregate& body = model.Patches[1].Body;
+  model.Patches[1].Body = Aggregate(RefineUniformly(ElevateDegree(body.Geometry(), 1), { 2, 1, 3 }),
+    { { "A", RefineUniformly(body.Attributes()[0].Field, { 1, 2, 1 }) } });
+  for (const MakeField& field : { Slice(Sphere({ 0.5, 0.5, 0.5 }, 0.3)), Isosurface(0.02) })
+  {
+    const Drawn drawn = Draw(model, field, 3e-3);
+    EXPECT_EQ(Weld(drawn.Meshes).Open, drawn.Certificate.OpenEdgesOnBoundary);
+    EXPECT_EQ(drawn.Certificate.OpenEdgesInside, 0);
+    EXPECT_EQ(drawn.Certificate.OpenEdgesOnInterfaces, 0);
+  }
+}
+
+TEST(ZeroSetGroup, RanksGiveWhatOneGives)
+{
+  std::vector<Turn> turns;
+  for (int i = 0; i < 8; ++i)
+  {
+    turns.push_back(Turn::Number(11 * i % 48));
+  }
+  const MultiPatch model = Split(Curved(6), { 2, 2, 2 }, turns);
+  const MakeField field = Isosurface(0.05);
+  const Drawn one = Draw(model, field, 1e-2);
+  for (const int ranks : { 2, 3 })
+  {
+    std::vector<ZeroSetMesh> meshes(8);
+    std::mutex mutex;
+    ZeroSetCertificate certificate;
+    OnRanks(ranks,
+      [&](ZeroSetGroup::Ranks own)
+      {
+        std::vector<const Patch*> patches;
+        std::vector<std::size_t> which;
+        for (std::size_t p = 0; p < 8; ++p)
+        {
+          if (static_cast<int>(p) * 5 % ranks == own.Own)
+          {
+            patches.push_back(&model.Patches[p]);
+            which.push_back(p);
+          }
+        }
+        const Drawn drawn = Draw(patches, model.Interfaces, field, 1e-2, own);
+        const std::lock_guard<std::mutex> lock(mutex);
+        certificate.Add(drawn.Certificate);
+        for (std::size_t i = 0; i < which.size(); ++i)
+        {
+          meshes[which[i]] = drawn.Meshes[i];
+        }
+      });
+    for (std::size_t p = 0; p < 8; ++p)
+    {
+      EXPECT_EQ(meshes[p].Points, one.Meshes[p].Points);
+      EXPECT_EQ(meshes[p].Cells, one.Meshes[p].Cells);
+      EXPECT_EQ(meshes[p].Normals, one.Meshes[p].Normals);
+    }
+    EXPECT_EQ(certificate.OpenEdgesOnBoundary, one.Certificate.OpenEdgesOnBoundary);
+    EXPECT_EQ(certificate.OpenEdgesInside, 0);
+    EXPECT_EQ(certificate.OpenEdgesOnInterfaces, 0);
+  }
+}
+
+TEST(ZeroSetGroup, PartsOfPatchesOnRanksGiveAClosedSphere)
+{
+  // Patches that are cut at other places than their neighbors.
+  const MultiPatch model = Split(Curved(8), { 2, 1, 1 }, { Turn::Number(3), Turn::Number(40) });
+  std::vector<Patch> parts;
+  for (const Patch& patch : model.Patches)
+  {
+    std::array<int, 3> end{};
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      end[d] = static_cast<int>(patch.Body.Geometry().Knots()[d].Spans().size());
+    }
+    const std::size_t cut = patch.Id == 0 ? 1 : 2;
+    std::array<int, 3> first{};
+    std::array<int, 3> last = end;
+    last[cut] = 1;
+    parts.push_back(RestrictPatch(patch, first, last));
+    first[cut] = 1;
+    parts.push_back(RestrictPatch(patch, first, end));
+  }
+  for (const int ranks : { 1, 2, 3 })
+  {
+    std::vector<ZeroSetMesh> meshes(4);
+    std::mutex mutex;
+    ZeroSetCertificate certificate;
+    OnRanks(ranks,
+      [&](ZeroSetGroup::Ranks own)
+      {
+        std::vector<const Patch*> patches;
+        std::vector<std::size_t> which;
+        for (std::size_t p = 0; p < parts.size(); ++p)
+        {
+          if (static_cast<int>(p) % ranks == own.Own)
+          {
+            patches.push_back(&parts[p]);
+            which.push_back(p);
+          }
+        }
+        const Drawn drawn =
+          Draw(patches, model.Interfaces, Slice(Sphere({ 0.52, 0.47, 0.5 }, 0.33)), 2e-3, own);
+        const std::lock_guard<std::mutex> lock(mutex);
+        certificate.Add(drawn.Certificate);
+        for (std::size_t i = 0; i < which.size(); ++i)
+        {
+          meshes[which[i]] = drawn.Meshes[i];
+        }
+      });
+    const Welded welded = Weld(meshes);
+    EXPECT_EQ(welded.Open, 0) << ranks;
+    EXPECT_EQ(welded.Euler, 2) << ranks;
+    ExpectNoCrack(certificate);
+    EXPECT_EQ(certificate.OpenEdgesOnBoundary, 0);
+  }
+}
+
+TEST(ZeroSetGroup, ThreadsDoNotChangeTheResult)
+{
+  std::vector<Turn> turns;
+  for (int i = 0; i < 8; ++i)
+  {
+    turns.push_back(Turn::Number(5 * i % 48));
+  }
+  const MultiPatch model = Split(Curved(9), { 2, 2, 2 }, turns);
+  const ParallelFor two = [](std::ptrdiff_t count, std::ptrdiff_t grain,
+                            const std::function<void(std::ptrdiff_t, std::ptrdiff_t)>& body)
+  {
+    const std::ptrdiff_t half = count / (2 * grain) * grain;
+    std::thread other([&] { body(0, half); });
+    body(half, count);
+    other.join();
+  };
+  std::vector<const Patch*> patches;
+  for (const Patch& patch : model.Patches)
+  {
+    patches.push_back(&patch);
+  }
+  for (const std::size_t count : { 8, 4 })
+  {
+    patches.resize(count);
+    const Drawn one = Draw(patches, model.Interfaces, Isosurface(0.0), 1e-2);
+    const Drawn threaded = Draw(patches, model.Interfaces, Isosurface(0.0), 1e-2, {}, two);
+    for (std::size_t p = 0; p < count; ++p)
+    {
+      EXPECT_EQ(one.Meshes[p].Points, threaded.Meshes[p].Points);
+      EXPECT_EQ(one.Meshes[p].Cells, threaded.Meshes[p].Cells);
+    }
+  }
+}
