@@ -22,6 +22,9 @@ namespace
 constexpr const char* BoundsNames[6] = { "MinimumJacobianLower", "MinimumJacobianUpper",
   "MaximumJacobianLower", "MaximumJacobianUpper", "ScaledJacobianLower", "ScaledJacobianUpper" };
 
+/// What rounding may add to bounds that are as far apart as they may be.
+constexpr double Rounded = 1.0 + 1e-9;
+
 /// Bounds 2 and 3 are of a maximum, the others of minima.
 bool IsOfMaximum(std::size_t bound)
 {
@@ -90,6 +93,8 @@ void ValidityReport::Row::Merge(const Row& other)
   this->Invalid += other.Invalid;
   this->Undecided += other.Undecided;
   this->Degenerate += other.Degenerate;
+  this->Wide += other.Wide;
+  this->WideScaled += other.WideScaled;
   this->CondeTorres += other.CondeTorres;
   this->Form = std::max(this->Form, other.Form);
   this->HasRightHanded = this->HasRightHanded || other.HasRightHanded;
@@ -108,7 +113,8 @@ int ValidityReport::Row::Handedness() const
 }
 
 void ValidityReport::Add(int patchId, const hyperpatch::PatchValidity& validity,
-  std::optional<hyperpatch::CondeTorresForm> form, std::size_t passes)
+  const hyperpatch::ValidityOptions& options, std::optional<hyperpatch::CondeTorresForm> form,
+  std::size_t passes)
 {
   Row row;
   row.Elements = validity.Elements.size();
@@ -126,15 +132,20 @@ void ValidityReport::Add(int patchId, const hyperpatch::PatchValidity& validity,
     Row bounds;
     if (element.Minimum)
     {
-      bounds.Bounds = { element.Minimum->Low, element.Minimum->High, element.Maximum->Low,
-        element.Maximum->High, INFINITY, INFINITY };
+      const hyperpatch::Interval& least = *element.Minimum;
+      const hyperpatch::Interval& greatest = *element.Maximum;
+      bounds.Bounds = { least.Low, least.High, greatest.Low, greatest.High, INFINITY, INFINITY };
+      const double allowed =
+        Rounded * options.Tolerance * std::max(std::abs(least.Low), std::abs(greatest.High));
+      row.Wide += least.High - least.Low > allowed || greatest.High - greatest.Low > allowed;
     }
     if (element.Scaled)
     {
       // With the sign that the patch has.
-      const hyperpatch::ScaledJacobian& scaled = *element.Scaled;
-      bounds.Bounds[4] = validity.Handedness < 0 ? -scaled.Maximum.High : scaled.Minimum.Low;
-      bounds.Bounds[5] = validity.Handedness < 0 ? -scaled.Maximum.Low : scaled.Minimum.High;
+      const hyperpatch::Interval least = element.Scaled->Least(validity.Handedness);
+      bounds.Bounds[4] = least.Low;
+      bounds.Bounds[5] = least.High;
+      row.WideScaled += least.High - least.Low > Rounded * options.ScaledTolerance;
     }
     row.Merge(bounds);
   }
@@ -147,7 +158,7 @@ std::vector<double> ValidityReport::Pack() const
   for (const auto& [id, row] : this->Rows)
   {
     for (const std::size_t count : { row.Elements, row.Valid, row.Invalid, row.Undecided,
-           row.Degenerate, row.CondeTorres, row.Tested })
+           row.Degenerate, row.Wide, row.WideScaled, row.CondeTorres, row.Tested })
     {
       numbers.push_back(static_cast<double>(count));
     }
@@ -172,13 +183,15 @@ ValidityReport ValidityReport::Unpack(const std::vector<double>& numbers)
     row.Invalid = count(2);
     row.Undecided = count(3);
     row.Degenerate = count(4);
-    row.CondeTorres = count(5);
-    row.Tested = count(6);
-    row.Form = static_cast<int>(n[8]);
-    row.HasRightHanded = n[9] != 0.0;
-    row.HasLeftHanded = n[10] != 0.0;
-    std::copy_n(n + 11, 6, row.Bounds.begin());
-    report.Rows[static_cast<int>(n[7])].Merge(row);
+    row.Wide = count(5);
+    row.WideScaled = count(6);
+    row.CondeTorres = count(7);
+    row.Tested = count(8);
+    row.Form = static_cast<int>(n[10]);
+    row.HasRightHanded = n[11] != 0.0;
+    row.HasLeftHanded = n[12] != 0.0;
+    std::copy_n(n + 13, 6, row.Bounds.begin());
+    report.Rows[static_cast<int>(n[9])].Merge(row);
   }
   return report;
 }
@@ -259,6 +272,15 @@ std::string ValidityReport::NoteOf(const Row& row)
   {
     notes.push_back(Counted(row.Degenerate, "element") +
       " with faces, edges or corners where det J = 0, which verdicts leave out");
+  }
+  if (row.Wide > 0)
+  {
+    notes.push_back("bounds of det J wider than Tolerance on " + Counted(row.Wide, "element"));
+  }
+  if (row.WideScaled > 0)
+  {
+    notes.push_back("bounds of the scaled Jacobian wider than Scaled Tolerance on " +
+      Counted(row.WideScaled, "element"));
   }
   return InOneLine(notes);
 }

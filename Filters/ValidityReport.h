@@ -22,9 +22,11 @@ class ValidityReport
 {
 public:
   /// Adds a patch, or a part of one.
+  /// \param options with which it was tested
   /// \param passes how many elements pass the test of Conde & Torres, if it was made
   void Add(int patchId, const hyperpatch::PatchValidity& validity,
-    std::optional<hyperpatch::CondeTorresForm> form, std::size_t passes);
+    const hyperpatch::ValidityOptions& options, std::optional<hyperpatch::CondeTorresForm> form,
+    std::size_t passes);
 
   /// The rows as numbers; lists of several ranks, one after the other, make the report of all.
   [[nodiscard]] std::vector<double> Pack() const;
@@ -52,6 +54,9 @@ private:
     std::size_t Invalid = 0;
     std::size_t Undecided = 0;
     std::size_t Degenerate = 0;
+    /// Whose bounds are further apart than the tolerance: of det J, and of the scaled Jacobian.
+    std::size_t Wide = 0;
+    std::size_t WideScaled = 0;
     std::size_t CondeTorres = 0;
     int Form = -1;
     bool HasRightHanded = false;
@@ -66,7 +71,7 @@ private:
     [[nodiscard]] int Handedness() const;
   };
   /// Numbers of a row, and of a share of injectivity.
-  static constexpr std::size_t Size = 17;
+  static constexpr std::size_t Size = 19;
   static constexpr std::size_t ShareSize = 18;
 
   [[nodiscard]] Row All() const;

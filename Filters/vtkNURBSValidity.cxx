@@ -342,7 +342,7 @@ void vtkNURBSValidity::Execute(const MultiPatch& model, vtkDataObject* output)
     {
       passes += this->CondeTorres && results->PassesCondeTorres[e];
     }
-    own.Add(results->Model.Patches[p].Id, validity[p],
+    own.Add(results->Model.Patches[p].Id, validity[p], results->Options,
       this->CondeTorres ? std::make_optional(results->Forms[p]) : std::nullopt, passes);
   }
   ValidityReport report = ValidityReport::Unpack(this->AllGather(own.Pack()));
@@ -390,11 +390,7 @@ void vtkNURBSValidity::Execute(const MultiPatch& model, vtkDataObject* output)
   {
     AddBounds(mesh, "ScaledJacobian", validity,
       [](const ElementValidity& element, int handedness)
-      {
-        const hyperpatch::ScaledJacobian& scaled = *element.Scaled;
-        return handedness < 0 ? hyperpatch::Interval{ -scaled.Maximum.High, -scaled.Maximum.Low }
-                              : scaled.Minimum;
-      });
+      { return element.Scaled->Least(handedness); });
   }
   if (this->CondeTorres)
   {

@@ -330,6 +330,7 @@ CondeTorres TestCondeTorres(const MultiPatch& model, const ParallelFor& parallel
   result.Pairs.ByBoxes -= pairs.size();
 
   // 2. hulls, 3. borders.
+  const std::vector<CondeTorresResult> own = result.Elements;
   std::mutex mutex;
   parallelFor(static_cast<std::ptrdiff_t>(pairs.size()), 64,
     [&](std::ptrdiff_t begin, std::ptrdiff_t end)
@@ -348,6 +349,10 @@ CondeTorres TestCondeTorres(const MultiPatch& model, const ParallelFor& parallel
         if (inTotal == 1)
         {
           ++found.Contiguous;
+        }
+        else if (own[a] != CondeTorresResult::Passes && own[b] != CondeTorresResult::Passes)
+        {
+          ++found.Failed;
         }
         else if (!sharePoints && HullsAreDisjoint(lattices[a], lattices[b], 50))
         {
@@ -368,6 +373,7 @@ CondeTorres TestCondeTorres(const MultiPatch& model, const ParallelFor& parallel
       }
       const std::lock_guard<std::mutex> lock(mutex);
       result.Pairs.Contiguous += found.Contiguous;
+      result.Pairs.Failed += found.Failed;
       result.Pairs.ByHulls += found.ByHulls;
       result.Pairs.ByBorders += found.ByBorders;
       result.Pairs.Meeting += found.Meeting;

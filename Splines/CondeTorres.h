@@ -37,6 +37,7 @@ enum class CondeTorresResult : std::int8_t
 struct CondeTorresPairs
 {
   std::size_t Contiguous = 0; ///< face neighbours, which the paper does not test
+  std::size_t Failed = 0;     ///< both elements fail by themselves: not tested
   std::size_t ByBoxes = 0;    ///< 1. bounds of the control points are disjoint
   std::size_t ByHulls = 0;    ///< 2. their convex hulls are disjoint
   std::size_t ByBorders = 0;  ///< 3. the elements do not meet, but for points that they share

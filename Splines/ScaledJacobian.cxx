@@ -26,16 +26,15 @@ struct Box
   Eigen::MatrixXd Points;
   double Error;
   Interval Range;
-
-  [[nodiscard]] double Width() const { return this->Range.High - this->Range.Low; }
 };
 
 class Search
 {
 public:
-  Search(std::array<int, 3> degrees, double tolerance)
+  Search(std::array<int, 3> degrees, double tolerance, int handedness)
     : P(degrees)
     , Tolerance(tolerance)
+    , Handedness(handedness)
   {
   }
 
@@ -60,8 +59,16 @@ public:
 
   [[nodiscard]] bool IsOpen(const Box& box) const
   {
-    return box.Range.Low < this->Least - this->Tolerance ||
-      box.Range.High > this->Greatest + this->Tolerance;
+    return (this->Handedness >= 0 && box.Range.Low < this->Least - this->Tolerance) ||
+      (this->Handedness <= 0 && box.Range.High > this->Greatest + this->Tolerance);
+  }
+
+  /// Whether a box may tell less than another: the bound that is furthest out comes first.
+  [[nodiscard]] bool ComesLater(const Box& a, const Box& b) const
+  {
+    return this->Handedness > 0 ? a.Range.Low > b.Range.Low
+      : this->Handedness < 0    ? a.Range.High < b.Range.High
+                                : a.Range.High - a.Range.Low < b.Range.High - b.Range.Low;
   }
 
   /// Two halves, across the direction in which the derivatives vary most.
@@ -181,12 +188,13 @@ private:
 
   std::array<int, 3> P;
   double Tolerance;
+  int Handedness;
 };
 
 }
 
 ScaledJacobian BoundScaledJacobian(const Eigen::MatrixXd& homogeneousBezierPoints,
-  std::array<int, 3> degrees, double tolerance, int maxBoxes, double pointError)
+  std::array<int, 3> degrees, double tolerance, int handedness, int maxBoxes, double pointError)
 {
   const Eigen::MatrixXd& h = homogeneousBezierPoints;
   if (!(tolerance > 0.0))
@@ -199,15 +207,15 @@ ScaledJacobian BoundScaledJacobian(const Eigen::MatrixXd& homogeneousBezierPoint
     throw Error("the scaled Jacobian needs positive weights; the least is " +
       std::to_string(h.row(3).minCoeff()));
   }
-  Search search(degrees, tolerance);
+  Search search(degrees, tolerance, handedness);
   std::vector<Box> heap{ Box{ h, pointError, {} } };
   search.Examine(heap.front());
-  const auto isNarrower = [](const Box& a, const Box& b) { return a.Width() < b.Width(); };
+  const auto comesLater = [&search](const Box& a, const Box& b) { return search.ComesLater(a, b); };
   Interval closed{ 1.0, -1.0 };
   int boxes = 1;
   while (!heap.empty())
   {
-    std::pop_heap(heap.begin(), heap.end(), isNarrower);
+    std::pop_heap(heap.begin(), heap.end(), comesLater);
     const Box box = std::move(heap.back());
     heap.pop_back();
     if (!search.IsOpen(box) || boxes + 2 > maxBoxes)
@@ -223,7 +231,7 @@ ScaledJacobian BoundScaledJacobian(const Eigen::MatrixXd& homogeneousBezierPoint
       half.Range = { std::max(half.Range.Low, box.Range.Low),
         std::min(half.Range.High, box.Range.High) };
       heap.push_back(std::move(half));
-      std::push_heap(heap.begin(), heap.end(), isNarrower);
+      std::push_heap(heap.begin(), heap.end(), comesLater);
     }
   }
   return { { closed.Low, std::max(closed.Low, search.Least) },

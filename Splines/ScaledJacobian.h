@@ -18,6 +18,12 @@ struct ScaledJacobian
   Interval Maximum;
   /// Boxes that it took; at the limit the enclosures are right, but wider than the tolerance.
   int Boxes;
+
+  /// Of the least one, times the handedness.
+  [[nodiscard]] Interval Least(int handedness) const
+  {
+    return handedness < 0 ? Interval{ -this->Maximum.High, -this->Maximum.Low } : this->Minimum;
+  }
 };
 
 /// Bounds det(P_u, P_v, P_w) / (|P_u| |P_v| |P_w|) on a Bezier volume: from outside by the triple
@@ -27,11 +33,13 @@ struct ScaledJacobian
 ///
 /// \param homogeneousBezierPoints 3 or 4 x product of (degrees + 1), as BezierExtractor gives them
 /// \param tolerance how far apart the ends of either enclosure may be
+/// \param handedness 1: the enclosure of the least value is wanted, that of the greatest may be
+/// wider; -1: the other way round; 0: both are wanted
 /// \param pointError bound of the error that each number of the points already has
 /// \throws Error if the points do not fit the degrees, a weight is not positive, or the tolerance
 /// is not positive
 [[nodiscard]] ScaledJacobian BoundScaledJacobian(const Eigen::MatrixXd& homogeneousBezierPoints,
-  std::array<int, 3> degrees, double tolerance = 0.05, int maxBoxes = 4000,
+  std::array<int, 3> degrees, double tolerance = 0.05, int handedness = 0, int maxBoxes = 1000,
   double pointError = 0.0);
 
 }

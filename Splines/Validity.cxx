@@ -87,9 +87,11 @@ private:
 class ElementTester
 {
 public:
-  ElementTester(const Spline& spline, const Elements& elements, const ValidityOptions& options)
+  ElementTester(
+    const Spline& spline, const Elements& elements, const ValidityOptions& options, int handedness)
     : Spans(elements)
     , Options(options)
+    , Handedness(handedness)
     , Degrees(spline.Degrees())
     , Extractor(spline)
     , Test(spline.Degrees(), spline.IsRational(), options)
@@ -119,8 +121,9 @@ public:
         this->Element = Eigen::Map<const Eigen::MatrixXd>(
           this->Points.data() + i * static_cast<std::size_t>(this->Element.size()),
           this->Element.rows(), this->Element.cols());
-        element.Scaled = BoundScaledJacobian(this->Element, this->Degrees,
-          this->Options.ScaledTolerance, this->Options.MaxBoxes, this->Errors[i]);
+        element.Scaled =
+          BoundScaledJacobian(this->Element, this->Degrees, this->Options.ScaledTolerance,
+            this->Handedness, this->Options.MaxScaledBoxes, this->Errors[i]);
       }
       result.Elements[begin[i]] = element;
     }
@@ -129,6 +132,7 @@ public:
 private:
   const Elements& Spans;
   ValidityOptions Options;
+  int Handedness;
   std::array<int, 3> Degrees;
   BezierExtractor Extractor;
   ValidityTest Test;
@@ -152,9 +156,12 @@ PatchValidity TestValidity(const Spline& geometry, const ValidityOptions& option
 
   const Elements elements(geometry);
   PatchValidity result;
+  result.Handedness = handedness != 0 ? handedness : Handedness(geometry);
+  result.ScaledHandedness = result.Handedness;
   std::vector<std::size_t> unknown;
   std::vector<bool> changed(elements.Count(), true);
-  if (known)
+  // Of scaled Jacobians only the bound that the handedness asks for is narrow.
+  if (known && (options.ScaledTolerance == 0.0 || known->Validity->Handedness == result.Handedness))
   {
     changed = ChangedElements(*known->Geometry, geometry);
     result.Elements = known->Validity->Elements;
@@ -179,14 +186,13 @@ PatchValidity TestValidity(const Spline& geometry, const ValidityOptions& option
   parallelFor(static_cast<std::ptrdiff_t>(unknown.size()), Chunk,
     [&](std::ptrdiff_t begin, std::ptrdiff_t end)
     {
-      ElementTester test(geometry, elements, options);
+      ElementTester test(geometry, elements, options, result.Handedness);
       for (std::ptrdiff_t first = begin; first < end; first += Chunk)
       {
         test(unknown.data() + first, unknown.data() + std::min(end, first + Chunk), result);
       }
     });
 
-  result.Handedness = handedness != 0 ? handedness : Handedness(geometry);
   for (const ElementValidity& element : result.Elements)
   {
     // Only where left-handed and right-handed volumes cancel.

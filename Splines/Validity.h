@@ -17,6 +17,8 @@ struct PatchValidity
   /// 1, or -1 for a left-handed patch: Handedness(), and where that is 0 the sign of the first
   /// element that is decided.
   int Handedness = 0;
+  /// Of which handedness bounds of scaled Jacobians keep to their tolerance; 0: of both.
+  int ScaledHandedness = 0;
   /// One per element (non-empty knot span), u fastest. With respect to the patch's own knots.
   std::vector<ElementValidity> Elements;
   /// How many of them were tested; the others were known before.

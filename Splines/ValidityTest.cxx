@@ -165,7 +165,7 @@ ValidityTest::ValidityTest(
   {
     throw Error("the tolerance of the scaled Jacobian is not negative, and 0 to leave it out");
   }
-  if (options.MaxDepth < 0 || options.MaxBoxes < 1)
+  if (options.MaxDepth < 0 || options.MaxBoxes < 1 || options.MaxScaledBoxes < 1)
   {
     throw Error("a validity test needs a depth of at least 0 and at least 1 box");
   }

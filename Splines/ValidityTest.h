@@ -19,12 +19,14 @@ struct ValidityOptions
   /// How far apart the bounds of the least (and of the greatest) det J of an element may be, as a
   /// fraction of the greatest |det J| found there. 0: signs only, which is much faster.
   double Tolerance = 0.01;
-  /// How far apart the bounds of the least (and of the greatest) scaled Jacobian may be. 0: not
-  /// wanted. Costs more than all the rest.
+  /// How far apart the bounds of the least scaled Jacobian, with the sign of the patch, may be. 0:
+  /// not wanted. Costs more than all the rest.
   double ScaledTolerance = 0.0;
   /// An element is halved at most so often in a row, and into so many boxes.
   int MaxDepth = 40;
   int MaxBoxes = 4000;
+  /// The same for its scaled Jacobian, where a box costs more.
+  int MaxScaledBoxes = 1000;
 };
 
 /// What proved the sign of an element.

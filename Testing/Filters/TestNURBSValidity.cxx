@@ -247,6 +247,25 @@ TEST(NURBSValidity, DegenerateFacesAreSaid)
   EXPECT_NE(run.Note(1).find("collapsed"), std::string::npos);
 }
 
+TEST(NURBSValidity, BoundsThatStayWiderThanTheToleranceAreSaid)
+{
+  std::mt19937 random(6);
+  const KnotVector k = KnotVector::Uniform(3, 4);
+  Testee run(Model({ models::RandomSpline(random, { k, k, k }, 3, false) }));
+  run.Filter->SetScaledTolerance(1e-4);
+  EXPECT_NE(
+    run.Note(0).find("scaled Jacobian wider than Scaled Tolerance on 1 element"), std::string::npos)
+    << run.Note(0);
+  EXPECT_EQ(run.Note(0).find("bounds of det J"), std::string::npos);
+  run.Filter->SetTolerance(1e-9);
+  EXPECT_NE(
+    run.Note(0).find("bounds of det J wider than Tolerance on 1 element"), std::string::npos)
+    << run.Note(0);
+  run.Filter->SetTolerance(0.01);
+  run.Filter->SetScaledTolerance(0.9);
+  EXPECT_EQ(run.Note(0).find("wider"), std::string::npos) << run.Note(0);
+}
+
 TEST(NURBSValidity, WhatIsNotAskedForIsNotThere)
 {
   Testee run(Model({ models::QuarterTube() }));

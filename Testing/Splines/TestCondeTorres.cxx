@@ -142,9 +142,33 @@ TEST(CondeTorres, DistantElementsThatMeetFail)
     { models::Unclamped(3, N), models::Unclamped(3, 4), models::Unclamped(3, 4) }, points);
   const CondeTorres result = Tested(bar);
   EXPECT_GT(result.Pairs.Meeting, 0u);
-  EXPECT_GT(result.Pairs.ByHulls, 0u);
+  // Where the bar turns back in x or y elements fail by themselves.
+  EXPECT_GT(result.Pairs.Failed, 0u);
+  const CondeTorresPairs& pairs = result.Pairs;
+  EXPECT_EQ(pairs.Contiguous + pairs.Failed + pairs.ByBoxes + pairs.ByHulls + pairs.ByBorders +
+      pairs.Meeting,
+    17u * 16 / 2);
   const auto pass = [](CondeTorresResult element) { return element == CondeTorresResult::Passes; };
   EXPECT_FALSE(std::all_of(result.Elements.begin(), result.Elements.end(), pass));
+}
+
+TEST(CondeTorres, HullsTellApartWhatBoxesDoNot)
+{
+  // All axes run along the diagonal, nearly: boxes of distant elements overlap.
+  constexpr int N = 8;
+  Eigen::Matrix3Xd points(3, N * N * 4);
+  for (int i = 0; i < points.cols(); ++i)
+  {
+    const Eigen::Vector3d at(i % N, i / N % N, i / N / N);
+    points.col(i) = 0.1 * at + 0.9 * at.sum() * Eigen::Vector3d::Ones();
+  }
+  const CondeTorres result = Tested(
+    Spline({ models::Unclamped(3, N), models::Unclamped(3, N), models::Unclamped(3, 4) }, points));
+  for (const CondeTorresResult element : result.Elements)
+  {
+    EXPECT_EQ(element, CondeTorresResult::Passes);
+  }
+  EXPECT_GT(result.Pairs.ByHulls, 0u);
 }
 
 TEST(CondeTorres, OtherSplinesGoThroughTheirUniformOrBezierForm)

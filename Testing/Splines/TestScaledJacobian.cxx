@@ -44,6 +44,46 @@ TEST(ScaledJacobian, OfAShearIsEnclosedToTheTolerance)
   }
 }
 
+TEST(ScaledJacobian, OneHandednessIsBoundedWithFewerBoxes)
+{
+  std::mt19937 random(4);
+  const KnotVector k = KnotVector::Uniform(2, 3);
+  int boxes = 0;
+  int boxesOfBoth = 0;
+  for (int round = 0; round < 10; ++round)
+  {
+    Eigen::MatrixXd points =
+      0.5 * models::RandomSpline(random, { k, k, k }, 3, false).Coefficients();
+    for (int i = 0; i < points.cols(); ++i)
+    {
+      points.col(i) += Eigen::Vector3d(i % 3, i / 3 % 3, i / 9);
+    }
+    const ScaledJacobian both = BoundScaledJacobian(points, { 2, 2, 2 }, 0.1, 0, 20000);
+    boxesOfBoth += both.Boxes;
+    for (const int handedness : { 1, -1 })
+    {
+      const ScaledJacobian one = BoundScaledJacobian(points, { 2, 2, 2 }, 0.1, handedness, 20000);
+      const Interval found = one.Least(handedness);
+      const Interval known = both.Least(handedness);
+      EXPECT_LE(found.High - found.Low, 0.1);
+      // Two enclosures of one number meet.
+      EXPECT_LE(std::max(found.Low, known.Low), std::min(found.High, known.High));
+      boxes += one.Boxes;
+    }
+  }
+  EXPECT_LT(boxes, boxesOfBoth + 40);
+}
+
+TEST(ScaledJacobian, ABudgetThatIsTooSmallLeavesItWide)
+{
+  std::mt19937 random(5);
+  const KnotVector k = KnotVector::Uniform(2, 3);
+  const Spline wild = models::RandomSpline(random, { k, k, k }, 3, false);
+  const ScaledJacobian j = BoundScaledJacobian(wild.Coefficients(), { 2, 2, 2 }, 0.01, 1, 9);
+  EXPECT_LE(j.Boxes, 9);
+  EXPECT_GT(j.Minimum.High - j.Minimum.Low, 0.01);
+}
+
 TEST(ScaledJacobian, BoundsOfRandomVolumesHoldSamples)
 {
   std::mt19937 random(1);
@@ -64,7 +104,8 @@ TEST(ScaledJacobian, BoundsOfRandomVolumesHoldSamples)
       points.col(i) += Eigen::Vector3d(i % n[0], i / n[0] % n[1], i / n[0] / n[1]);
     }
     const Spline spline(knots, points, noise.Weights());
-    const ScaledJacobian j = BoundScaledJacobian(spline.Homogeneous(), spline.Degrees(), 0.2, 300);
+    const ScaledJacobian j =
+      BoundScaledJacobian(spline.Homogeneous(), spline.Degrees(), 0.2, 0, 300);
     const Evaluator evaluator(spline);
     EXPECT_LE(j.Minimum.Low, j.Minimum.High);
     EXPECT_LE(j.Maximum.Low, j.Maximum.High);
