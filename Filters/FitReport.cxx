@@ -35,8 +35,9 @@ void FitReport::CertifyJacobian(
     const Interval least = validity.Handedness < 0
       ? Interval{ -element.Maximum->High, -element.Maximum->Low }
       : *element.Minimum;
-    row.Jacobian.Low = std::min(row.Jacobian.Low, least.Low);
-    row.Jacobian.High = std::min(row.Jacobian.High, least.High);
+    // The second one: what is not a number stays so.
+    row.Jacobian.Low = row.Jacobian.Low < least.Low ? row.Jacobian.Low : least.Low;
+    row.Jacobian.High = row.Jacobian.High < least.High ? row.Jacobian.High : least.High;
   }
 }
 

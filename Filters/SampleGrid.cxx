@@ -75,7 +75,8 @@ std::vector<double> ChordSites(
     const Eigen::Index at = i / stride % size;
     if (at > 0)
     {
-      lengths[static_cast<std::size_t>(at)] += (points.col(i) - points.col(i - stride)).norm();
+      lengths[static_cast<std::size_t>(at)] +=
+        (points.col(i) - points.col(i - stride)).stableNorm();
     }
   }
   const double lines = static_cast<double>(points.cols() / size);
@@ -162,7 +163,7 @@ void CheckSamples(vtkDataArray* array, const Eigen::MatrixXd& samples,
 
 double SampleRange(const Eigen::MatrixXd& samples)
 {
-  double squares = 0.0;
+  double range = 0.0;
   for (Eigen::Index c = 0; c < samples.rows(); ++c)
   {
     double low = INFINITY;
@@ -176,9 +177,9 @@ double SampleRange(const Eigen::MatrixXd& samples)
         high = std::max(high, value);
       }
     }
-    squares += high > low ? (high - low) * (high - low) : 0.0;
+    range = std::hypot(range, high > low ? high - low : 0.0);
   }
-  return std::sqrt(squares);
+  return range;
 }
 
 Spline IdentityBox(const Eigen::Vector3d& low, const Eigen::Vector3d& high)

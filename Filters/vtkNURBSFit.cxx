@@ -230,6 +230,13 @@ private:
     Spline spline = make();
     const FitError error =
       hyperpatch::MeasureError(spline, grid.Sites, MakeReader(array), parallelFor);
+    if (this->Self->Method == INTERPOLATE && error.Maximum > 1e-9 * range && range > 0.0)
+    {
+      vtkWarningWithObjectMacro(this->Self,
+        "the interpolant of " << name << " misses samples by " << error.Maximum / range
+                              << " of their range, by rounding: its control points are far away. "
+                                 "Take a lower degree, or samples that are more evenly spaced");
+    }
     this->Report->Add(this->PatchId, name, spline, error, range);
     return spline;
   }

@@ -229,8 +229,8 @@ void DirectionFit::Factorise(std::vector<double>& band, int lower, int upper)
       !(this->IsInterpolation() && target[i] > 0.0))
     {
       throw Error("the samples do not determine control point " + std::to_string(i) +
-        " to working precision: take fewer control points, some smoothing, or knots that follow "
-        "the sites");
+        " to working precision: take fewer control points, more or less smoothing, or knots that "
+        "follow the sites");
     }
     this->InverseDiagonal.push_back(1.0 / target[i]);
     const int first = std::max(0, i - lower);

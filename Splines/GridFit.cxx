@@ -85,7 +85,7 @@ public:
   {
     while (!this->IsFull())
     {
-      const std::vector<double> errors = this->Errors(along, samples, parallelFor);
+      const std::vector<double> errors = this->Errors(along, samples, tolerance, parallelFor);
       const double worst = *std::max_element(errors.begin(), errors.end());
       if (this->Total(errors) <= tolerance)
       {
@@ -105,12 +105,13 @@ private:
       return *std::max_element(errors.begin(), errors.end());
     }
     const Eigen::Map<const Eigen::VectorXd> all(errors.data(), static_cast<Index>(errors.size()));
-    return all.norm() / std::sqrt(static_cast<double>(errors.size()));
+    return all.stableNorm() / std::sqrt(static_cast<double>(errors.size()));
   }
 
   /// The error of all lines at each site.
-  [[nodiscard]] std::vector<double> Errors(
-    const Along& along, const Eigen::MatrixXd& samples, const ParallelFor& parallelFor) const
+  /// \param unit for squares, which might overflow or vanish
+  [[nodiscard]] std::vector<double> Errors(const Along& along, const Eigen::MatrixXd& samples,
+    double unit, const ParallelFor& parallelFor) const
   {
     const DirectionFit fit = this->Fit();
     const auto count = static_cast<Index>(this->Sites->size());
@@ -139,14 +140,14 @@ private:
             const Eigen::Map<const Eigen::ArrayXd> value(values.data() + i * width, width);
             double& error = errors[Unsigned(i)];
             error = isMaximum ? std::max(error, (value - row).abs().maxCoeff())
-                              : error + (value - row).square().sum();
+                              : error + ((value - row) / unit).square().sum();
           }
         };
       });
     const double lines = static_cast<double>(along.Inner / along.Components * along.Outer);
     for (double& error : errors)
     {
-      error = isMaximum ? error : std::sqrt(error / lines);
+      error = isMaximum ? error : unit * std::sqrt(error / lines);
     }
     return errors;
   }
@@ -192,6 +193,13 @@ private:
   std::vector<int> Places; ///< ascending indices of sites, both ends among them
 };
 
+/// The Euclidean norm, also where squares overflow or vanish.
+double Length(const Eigen::VectorXd& vector)
+{
+  const double squares = vector.squaredNorm();
+  return squares > 1e-280 && squares < 1e280 ? std::sqrt(squares) : vector.stableNorm();
+}
+
 /// Calls function(neighbour) for the neighbours of a sample in the grid.
 template <typename Function>
 void ForNeighbours(const std::array<int, 3>& sizes, Index sample, Function&& function)
@@ -216,6 +224,45 @@ void ForNeighbours(const std::array<int, 3>& sizes, Index sample, Function&& fun
 
 }
 
+FitError FitError::Of(const Eigen::VectorXd& distances, Index first)
+{
+  FitError error;
+  error.Where = first;
+  double squares = 0.0;
+  for (Index i = 0; i < distances.size(); ++i)
+  {
+    const double distance = distances[i];
+    if (std::isfinite(distance))
+    {
+      squares += distance * distance;
+      ++error.Count;
+      if (distance > error.Maximum)
+      {
+        error.Maximum = distance;
+        error.Where = first + i;
+      }
+    }
+  }
+  if (error.Maximum == 0.0)
+  {
+    return error;
+  }
+  double unit = 1.0;
+  if (!(squares > 1e-280 && squares < 1e280))
+  {
+    // Some have overflowed, or vanished.
+    unit = error.Maximum;
+    squares = 0.0;
+    for (const double distance : distances)
+    {
+      const double part = distance / unit;
+      squares += std::isfinite(part) ? part * part : 0.0;
+    }
+  }
+  error.RootMeanSquare = unit * std::sqrt(squares / static_cast<double>(error.Count));
+  return error;
+}
+
 FitError MeasureError(const Spline& spline, const std::array<std::vector<double>, 3>& sites,
   const SampleReader& read, const ParallelFor& parallelFor)
 {
@@ -238,10 +285,11 @@ FitError MeasureError(const Spline& spline, const std::array<std::vector<double>
     {
       Eigen::VectorXd inPlane(plane);
       Eigen::VectorXd inRow(row);
+      Eigen::VectorXd difference(components);
       Eigen::MatrixXd samples(components, layer);
+      Eigen::VectorXd distances(layer);
       for (auto k = static_cast<int>(begin); k < end; ++k)
       {
-        FitError& error = layers[Unsigned(k)];
         read(k * layer, layer, samples.data());
         bases[2].Multiply(k, plane, points.data(), inPlane.data());
         Index at = 0;
@@ -260,42 +308,40 @@ FitError MeasureError(const Spline& spline, const std::array<std::vector<double>
               }
               return sum;
             };
-            const double weight = spline.IsRational() ? value(components) : 1.0;
-            double squared = 0.0;
-            for (Index c = 0; c < components; ++c)
+            if (m == 1)
             {
-              const double distance = value(c) / weight - samples(c, at);
-              squared += distance * distance;
-            }
-            if (!std::isfinite(squared))
-            {
+              distances[at] = std::abs(value(0) - samples(0, at));
               continue;
             }
-            error.RootMeanSquare += squared;
-            ++error.Count;
-            if (squared > error.Maximum)
+            const double weight = spline.IsRational() ? value(components) : 1.0;
+            for (Index c = 0; c < components; ++c)
             {
-              error.Maximum = squared;
-              error.Where = k * layer + at;
+              difference[c] = value(c) / weight - samples(c, at);
             }
+            distances[at] = Length(difference);
           }
         }
+        layers[Unsigned(k)] = FitError::Of(distances, k * layer);
       }
     });
   FitError total;
   for (const FitError& error : layers)
   {
-    total.RootMeanSquare += error.RootMeanSquare;
-    total.Count += error.Count;
     if (error.Maximum > total.Maximum)
     {
       total.Maximum = error.Maximum;
       total.Where = error.Where;
     }
+    total.Count += error.Count;
+  }
+  double squares = 0.0;
+  for (const FitError& error : layers)
+  {
+    const double part = total.Maximum > 0.0 ? error.RootMeanSquare / total.Maximum : 0.0;
+    squares += static_cast<double>(error.Count) * part * part;
   }
   total.RootMeanSquare =
-    std::sqrt(total.RootMeanSquare / static_cast<double>(std::max<Index>(total.Count, 1)));
-  total.Maximum = std::sqrt(total.Maximum);
+    total.Maximum * std::sqrt(squares / static_cast<double>(std::max<Index>(total.Count, 1)));
   return total;
 }
 

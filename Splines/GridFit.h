@@ -28,6 +28,9 @@ struct FitError
   Eigen::Index Where = 0; ///< the (first) sample with the largest error
   Eigen::Index Count = 0; ///< samples that were compared: those that are finite
 
+  /// Of consecutive samples, from their distances; those that are not finite are passed over.
+  [[nodiscard]] static FitError Of(const Eigen::VectorXd& distances, Eigen::Index first = 0);
+
   [[nodiscard]] double Of(ErrorMeasure measure) const
   {
     return measure == ErrorMeasure::Maximum ? this->Maximum : this->RootMeanSquare;

@@ -122,12 +122,17 @@ KnotVector LeastSquaresKnots(int degree, int size, const std::vector<double>& si
     throw Error(std::to_string(size) + " control points are more than the " + std::to_string(n) +
       " samples can determine");
   }
-  CheckAscending(sites);
-  if (size < 2 || size == n)
+  if (size == n)
   {
-    // Too few for any degree, or all of them.
-    return InterpolationKnots(degree, { sites.begin(), sites.begin() + std::max(size, 0) });
+    return InterpolationKnots(degree, sites);
   }
+  if (size < 2 || size < degree + 1)
+  {
+    throw Error(std::to_string(size) + " control points are too few for degree " +
+      std::to_string(degree) + ": at least " + std::to_string(std::max(degree, 1) + 1) +
+      " are needed");
+  }
+  CheckAscending(sites);
   std::vector<double> places(Unsigned(size));
   for (int i = 0; i < size; ++i)
   {

@@ -194,6 +194,11 @@ Spline FitScattered(const Eigen::Matrix3Xd& parameters, const MatrixXd& values,
   const ParallelFor& parallelFor)
 {
   Check(parameters, values, low, high, options);
+  // Squares of the values occur: in a unit of about their size, a power of two, none overflows.
+  const double size = values.cwiseAbs().maxCoeff();
+  const double unit = size > 0.0 ? std::exp2(std::clamp(std::ilogb(size), -1000, 1000)) : 1.0;
+  const MatrixXd scaled = values / unit;
+  const double tolerance = options.Tolerance / unit;
   Eigen::Matrix3Xd sites = parameters;
   std::array<KnotVector, 3> knots;
   std::array<int, 3> spans{ 1, 1, 1 };
@@ -211,11 +216,11 @@ Spline FitScattered(const Eigen::Matrix3Xd& parameters, const MatrixXd& values,
     }
   }
   const bool toTolerance = options.Tolerance > 0.0;
-  Spline sum = LinearTrend(knots, sites, values);
+  Spline sum = LinearTrend(knots, sites, scaled);
   for (;;)
   {
     const MatrixXd coefficients =
-      ApproximateLevel(sum.Knots(), sites, Residuals(sum, sites, values, parallelFor));
+      ApproximateLevel(sum.Knots(), sites, Residuals(sum, sites, scaled, parallelFor));
     sum = Spline(sum.Knots(), sum.Coefficients() + coefficients);
 
     // The next level halves the directions with the longest spans: all, where the shape of the
@@ -238,12 +243,12 @@ Spline FitScattered(const Eigen::Matrix3Xd& parameters, const MatrixXd& values,
       next *= spans[d] + knots[d].Degree();
     }
     const bool done = toTolerance
-      ? MeasureError(sum, sites, values, parallelFor).Of(options.Measure) <= options.Tolerance ||
-        next > 4 * values.cols() + 64
+      ? MeasureError(sum, sites, scaled, parallelFor).Of(options.Measure) <= tolerance ||
+        next > 4 * scaled.cols() + 64
       : longest <= 1.0;
     if (done)
     {
-      return sum;
+      return Spline(sum.Knots(), unit * sum.Coefficients());
     }
     sum = RefineUniformly(sum, pieces);
   }
@@ -252,13 +257,8 @@ Spline FitScattered(const Eigen::Matrix3Xd& parameters, const MatrixXd& values,
 FitError MeasureError(const Spline& spline, const Eigen::Matrix3Xd& parameters,
   const MatrixXd& values, const ParallelFor& parallelFor)
 {
-  const Eigen::VectorXd squares =
-    Residuals(spline, parameters, values, parallelFor).colwise().squaredNorm();
-  FitError error;
-  error.Count = squares.size();
-  error.RootMeanSquare = std::sqrt(squares.mean());
-  error.Maximum = std::sqrt(squares.maxCoeff(&error.Where));
-  return error;
+  return FitError::Of(
+    Residuals(spline, parameters, values, parallelFor).colwise().stableNorm().transpose());
 }
 
 }

@@ -499,7 +499,7 @@ TEST(Fit, RefusesWhatCannotBeFitted)
   few.Filter->SetDegree(3, 3, 2);
   EXPECT_EQ(few.Update().Patches.size(), 1u);
   few.Filter->SetControlPoints(2, 16, 16);
-  few.ExpectError("direction 0");
+  few.ExpectError("direction 0 of the grid: 2 control points are too few for degree 3");
   few.Filter->SetDegree(0, 3, 3);
   few.ExpectError("degree 0");
 
@@ -534,6 +534,27 @@ TEST(Fit, RefusesWhatCannotBeFitted)
   Fit lattice(Image());
   lattice.Update();
   Fit(lattice.Filter->GetOutputDataObject(0)).ExpectError("spline model already");
+}
+
+TEST(Fit, WarnsWhereRoundingSpoilsAnInterpolant)
+{
+  // A polynomial through 21 equidistant points runs away between them.
+  const auto image = Image(21, 21, 1);
+  std::mt19937 random(1);
+  vtkDataArray* wave = image->GetPointData()->GetArray("Wave");
+  for (vtkIdType i = 0; i < wave->GetNumberOfTuples(); ++i)
+  {
+    wave->SetTuple1(i, std::uniform_real_distribution<double>()(random));
+  }
+  Fit fit(image);
+  fit.Filter->SetDegree(20, 20, 3);
+  fit.Update();
+  ASSERT_EQ(fit.Messages.size(), 1u);
+  EXPECT_NE(fit.Messages[0].find("Take a lower degree"), std::string::npos) << fit.Messages[0];
+  fit.Messages.clear();
+  fit.Filter->SetDegree(5, 5, 3);
+  fit.Update();
+  EXPECT_TRUE(fit.Messages.empty());
 }
 
 TEST(Fit, EmptyInputGivesEmptyOutput)

@@ -101,6 +101,49 @@ TEST(MeasureError, IsTheDistanceFromTheSamples)
   EXPECT_NEAR(error.RootMeanSquare, std::sqrt(29.0 / 263.0), 1e3 * Epsilon);
 }
 
+TEST(MeasureError, OfARationalSplineIsThatOfItsValues)
+{
+  // The exact semicircle has the distance 1 from its centre everywhere.
+  Eigen::MatrixXd points(2, 4);
+  points << 1, 1, -1, -1, 0, 2, 2, 0;
+  Eigen::VectorXd weights(4);
+  weights << 1.0, 1.0 / 3.0, 1.0 / 3.0, 1.0;
+  const Spline arc(
+    { KnotVector::Uniform(3, 4), KnotVector(), KnotVector() }, std::move(points), weights);
+  const Sites sites{ Line(31), { 0.5 }, { 0.5 } };
+  const FitError error = MeasureError(arc, sites, Reader(Eigen::MatrixXd::Zero(2, 31)));
+  EXPECT_NEAR(error.Maximum, 1.0, 8 * Epsilon);
+  EXPECT_NEAR(error.RootMeanSquare, 1.0, 8 * Epsilon);
+}
+
+TEST(MeasureError, ScalesWithTheData)
+{
+  // Also where squares would overflow, or vanish: by powers of two, all numbers are the same.
+  const Sites sites{ Line(9), Line(8), Line(7) };
+  const Eigen::MatrixXd samples = Sample(sites, Bump);
+  const auto fit = [&sites](const Eigen::MatrixXd& data, ErrorMeasure measure, double tolerance) {
+    return FitToTolerance({ 2, 2, 2 }, sites, data, tolerance, measure);
+  };
+  for (const ErrorMeasure measure : { ErrorMeasure::Maximum, ErrorMeasure::RootMeanSquare })
+  {
+    const Spline spline = fit(samples, measure, 0.01);
+    const FitError error = MeasureError(spline, sites, Reader(samples));
+    EXPECT_GT(error.RootMeanSquare, 1e-6);
+    for (const double scale : { std::exp2(-900), std::exp2(900) })
+    {
+      const Eigen::MatrixXd scaled = scale * samples;
+      const Spline same = fit(scaled, measure, 0.01 * scale);
+      EXPECT_EQ(same.Coefficients(), scale * spline.Coefficients());
+      const FitError other = MeasureError(same, sites, Reader(scaled));
+      EXPECT_NEAR(other.Maximum, scale * error.Maximum, 8 * Epsilon * scale * error.Maximum);
+      EXPECT_NEAR(other.RootMeanSquare, scale * error.RootMeanSquare,
+        1000 * Epsilon * scale * error.RootMeanSquare);
+      EXPECT_EQ(other.Where, error.Where);
+      EXPECT_EQ(other.Count, error.Count);
+    }
+  }
+}
+
 TEST(FitToTolerance, MeetsItWithFewControlPoints)
 {
   const Sites sites{ Line(101), Line(40), Line(30) };

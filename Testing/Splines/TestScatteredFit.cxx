@@ -125,6 +125,23 @@ TEST(FitScattered, MeetsATolerance)
   EXPECT_LE(average.NumberOfControlPoints(), 4 * 2 + 64);
 }
 
+TEST(FitScattered, ScalesWithTheValues)
+{
+  const Eigen::Matrix3Xd points = RandomPoints(300);
+  const Eigen::MatrixXd values = Values(points, Wave);
+  const Spline spline = FitScattered(points, values, Low, High);
+  const FitError error = MeasureError(spline, points, values);
+  for (const double scale : { std::exp2(-900), std::exp2(900) })
+  {
+    const Spline same = FitScattered(points, scale * values, Low, High);
+    EXPECT_EQ(same.Coefficients(), scale * spline.Coefficients());
+    const FitError other = MeasureError(same, points, scale * values);
+    EXPECT_NEAR(other.Maximum, scale * error.Maximum, 8 * Epsilon * scale * error.Maximum);
+    EXPECT_NEAR(other.RootMeanSquare, scale * error.RootMeanSquare,
+      1000 * Epsilon * scale * error.RootMeanSquare);
+  }
+}
+
 TEST(FitScattered, ALevelIsThatOfLeeWolbergAndShin)
 {
   // Signs at the corners of a cube have no linear trend, so one span shows one level: control point
