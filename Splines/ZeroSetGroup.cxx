@@ -1021,7 +1021,8 @@ void ZeroSetGroup::Worker::ExchangeCurves()
 
 void ZeroSetGroup::Worker::CountOpenEdges()
 {
-  // Edges on sides with links are open only if no other side has them too.
+  // Edges are open only if no other side has them too: the other of an interface, or the same where
+  // it is collapsed.
   using Key = std::array<double, 7>;
   const auto keyOf = [this](std::size_t m, const std::array<Index, 2>& edge, int& sign)
   {
@@ -1048,12 +1049,9 @@ void ZeroSetGroup::Worker::CountOpenEdges()
   {
     for (const auto& edge : this->At(m).OpenEdges)
     {
-      if (hasLink(m, this->At(m).SidesOf(edge)))
-      {
-        int sign = 0;
-        Append(records, keyOf(m, edge, sign));
-        records.push_back(sign);
-      }
+      int sign = 0;
+      Append(records, keyOf(m, edge, sign));
+      records.push_back(sign);
     }
   }
   records = this->OfAll.All(records);
@@ -1068,16 +1066,12 @@ void ZeroSetGroup::Worker::CountOpenEdges()
     const Engine& engine = this->At(m);
     for (const auto& edge : engine.OpenEdges)
     {
-      const unsigned sides = engine.SidesOf(edge);
-      if (hasLink(m, sides))
+      int sign = 0;
+      if (balance[keyOf(m, edge, sign)] * sign <= 0)
       {
-        int sign = 0;
-        const int left = balance[keyOf(m, edge, sign)];
-        if (left * sign <= 0)
-        {
-          continue;
-        }
+        continue;
       }
+      const unsigned sides = engine.SidesOf(edge);
       bool isBoundary = false;
       bool isInterface = false;
       for (int side = 0; side < NumberOfSides; ++side)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Interfaces.h"
 #include "Operators.h"
+#include "Primitives.h"
 #include "QuadricField.h"
 #include "Splines/Models.h"
 #include "ZeroSetGroup.h"
@@ -464,13 +465,39 @@ TEST(ZeroSetGroup, ThePipeClosesAtItsSeam)
   ExpectNoCrack(plane.Certificate);
 }
 
+TEST(ZeroSetGroup, PrimitivesOfManyPatchesAreClosed)
+{
+  for (const MultiPatch& model :
+    { MakeCylinder(1.0, 2.0, Parametrisation::Patches), MakeSphere(1.0, Parametrisation::Patches),
+      MakeTorus(2.0, 1.0, Parametrisation::Patches), MakeTube(1.0, 2.0, 1.0) })
+  {
+    ASSERT_FALSE(model.Interfaces.empty());
+    for (const Eigen::Vector3d& normal : { Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(1, 0, 0),
+           Eigen::Vector3d(1, 1, 0), Eigen::Vector3d(1, 1, 1) })
+    {
+      const Drawn drawn = Draw(model, Slice(Plane(normal, Eigen::Vector3d::Zero())), 1e-2);
+      const Welded welded = Weld(drawn.Meshes);
+      ExpectNoCrack(drawn.Certificate);
+      EXPECT_EQ(welded.Open, drawn.Certificate.OpenEdgesOnBoundary);
+      EXPECT_EQ(welded.Twice, 0);
+    }
+  }
+}
+
 TEST(ZeroSetGroup, AOneSidedRingIsLeftOpenAndCounted)
 {
+  // Its lines would have to run against themselves. Turned, so that round-off tells both sides of
+  // the seam apart.
+  const Aggregate ring = Ring(1);
+  const Eigen::Matrix3d turn =
+    Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
   MultiPatch model;
-  model.Patches.push_back({ 0, Ring(1) });
+  model.Patches.push_back(
+    { 0, Aggregate(Spline(ring.Geometry().Knots(), turn * ring.Geometry().Coefficients())) });
   model.Interfaces = FindInterfaces(model, 1e-9);
   ASSERT_EQ(model.Interfaces.size(), 1u);
-  const Drawn drawn = Draw(model, Slice(Plane({ 0, 0, 1 }, { 0, 0, 0.1 })), 1e-2);
+  const Drawn drawn =
+    Draw(model, Slice(Plane(turn.col(2), Eigen::Vector3d(0.1 * turn.col(2)))), 1e-2);
   EXPECT_GT(drawn.Certificate.OpenEdgesOnInterfaces, 0);
   EXPECT_EQ(drawn.Certificate.OpenEdgesInside, 0);
 }
