@@ -18,6 +18,7 @@ using field::BreaksOf;
 using field::Chunk;
 using field::KnotsNoSmootherThan;
 using field::OnBezierBox;
+using field::SpansAround;
 using field::UnitRoundoff;
 
 namespace
@@ -123,6 +124,48 @@ std::optional<Bernstein> JacobianField::OnBox(const ParameterBox& box) const
   const BezierBox bezier = OnBezierBox(this->S->Spline(), box);
   return JacobianDeterminant(
     bezier.Points, this->S->Spline().Degrees(), this->S->Spline().IsRational(), bezier.Error);
+}
+
+bool JacobianField::Restrict(const ParameterBox& box, BoxSpline& f) const
+{
+  const Spline& geometry = this->S->Spline();
+  const std::array<int, 3> spans = SpansAround(geometry, box);
+  ParameterBox element{};
+  int greatest = 0;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const KnotVector& knots = geometry.Knots()[d];
+    element.Low[d] = knots[spans[d]];
+    element.High[d] = knots[spans[d] + 1];
+    if (box.Low[d] < element.Low[d] || element.High[d] < box.High[d])
+    {
+      return false;
+    }
+    greatest = std::max(greatest, knots.Degree());
+  }
+  // A knot vector has no more degrees; such elements are computed for every box.
+  if ((geometry.IsRational() ? 4 * greatest : 3 * greatest) > MaxDegree)
+  {
+    return this->ScalarField::Restrict(box, f);
+  }
+  const auto polynomial = this->Polynomials.Find(spans,
+    [&]() -> ElementPolynomial
+    {
+      const Bernstein values = *this->OnBox(element);
+      std::array<KnotVector, 3> knots;
+      for (std::size_t d = 0; d < 3; ++d)
+      {
+        const int degree = values.Degrees()[d];
+        knots[d] = KnotVector::Uniform(degree, degree + 1, element.Low[d], element.High[d]);
+      }
+      return { Spline(std::move(knots), values.Coefficients().transpose()),
+        values.RoundingBound() };
+    });
+  const Eigen::MatrixXd& coefficients = polynomial->Values.Coefficients();
+  f.Restrict(
+    polynomial->Values, box, [&coefficients](Eigen::Index i) { return coefficients(0, i); });
+  f.AddNoise(polynomial->Error);
+  return true;
 }
 
 }

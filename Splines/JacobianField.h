@@ -2,6 +2,7 @@
 #ifndef hyperpatch_JacobianField_h
 #define hyperpatch_JacobianField_h
 
+#include "ElementPolynomials.h"
 #include "JacobianRounding.h"
 #include "Prepared.h"
 #include "ScalarField.h"
@@ -29,11 +30,13 @@ public:
   [[nodiscard]] std::array<std::vector<double>, 3> Breaks() const override;
   [[nodiscard]] std::array<std::vector<double>, 3> Creases() const override;
   [[nodiscard]] std::optional<Bernstein> OnBox(const ParameterBox& box) const override;
+  bool Restrict(const ParameterBox& box, BoxSpline& f) const override;
   [[nodiscard]] bool Excludes(const ParameterBox& box) const override;
 
 private:
   std::shared_ptr<const PreparedSpline> S;
   JacobianRounding Rounding;
+  ElementPolynomials Polynomials;
 };
 
 }
