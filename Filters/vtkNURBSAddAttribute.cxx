@@ -8,6 +8,7 @@
 #include "GridFit.h"
 #include "Interpolation.h"
 #include "NURBSConversion.h"
+#include "Operators.h"
 #include "SampleGrid.h"
 #include "WholeInput.h"
 
@@ -110,10 +111,11 @@ public:
   }
 
 private:
-  /// Knots of the new attribute; a direction that the geometry does not have stays so.
+  /// Knots of the new attribute; a direction that the geometry does not have stays so. Those of an
+  /// unclamped geometry are clamped: then the Greville points are in the domain.
   [[nodiscard]] std::array<KnotVector, 3> MakeKnots(const Spline& geometry, const int* sizes) const
   {
-    std::array<KnotVector, 3> knots = geometry.Knots();
+    std::array<KnotVector, 3> knots = hyperpatch::Clamp(geometry).Knots();
     for (std::size_t d = 0; this->Self->Basis == UNIFORM && d < 3; ++d)
     {
       if (knots[d].Degree() > 0)

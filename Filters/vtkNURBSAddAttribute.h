@@ -87,8 +87,8 @@ public:
 
   ///@{
   /**
-   * Degrees and knots: those of the geometry, or Degree and equal spans. A lattice that is a spline
-   * model itself keeps its own. Default GEOMETRY.
+   * Degrees and knots: those of the geometry (clamped, if they are not), or Degree and equal spans.
+   * A lattice that is a spline model itself keeps its own. Default GEOMETRY.
    */
   vtkSetClampMacro(Basis, int, GEOMETRY, UNIFORM);
   vtkGetMacro(Basis, int);

@@ -276,6 +276,10 @@ Spline Screw(const Eigen::Vector3d& point, const Eigen::Vector3d& axis, double a
 
 Spline FollowPath(const Spline& path, double twist, int sections)
 {
+  if (!std::isfinite(twist))
+  {
+    throw Error("the twist must be a finite number of degrees");
+  }
   if (sections < 2)
   {
     throw Error("a motion along a path needs 2 sections at least, not " + std::to_string(sections));

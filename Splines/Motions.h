@@ -40,8 +40,8 @@ namespace hyperpatch
 /// ACM TOG 27(1), 2008), turned on about the tangent by `twist` times the parameter. In between it
 /// is interpolated in the basis of the path, raised to degree 3 and refined; the point where the
 /// path begins follows it exactly.
-/// \throws Error if the path is no curve of three coordinates, has a corner or comes to rest, or
-/// there are fewer than 2 sections
+/// \throws Error if the path is no curve of three coordinates, has a corner or comes to rest,
+/// there are fewer than 2 sections, or the twist is not finite
 [[nodiscard]] Spline FollowPath(const Spline& path, double twist, int sections);
 
 }

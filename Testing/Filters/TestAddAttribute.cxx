@@ -147,6 +147,37 @@ TEST(AddAttribute, AFormulaOfThePositionIsInterpolatedAtGrevillePoints)
   EXPECT_LT(run.Reported("MaximumError", 0), 0.1 * before);
 }
 
+TEST(AddAttribute, AnUnclampedBasisIsClamped)
+{
+  // A closed curve, periodic: its outer Greville points lie outside the domain.
+  const int n = 6;
+  Eigen::MatrixXd points(3, n + 3);
+  std::vector<double> knots;
+  for (int i = 0; i < n + 3; ++i)
+  {
+    points.col(i) << std::cos(i), std::sin(i), 0.1 * (i % n);
+  }
+  for (int i = 0; i < n + 7; ++i)
+  {
+    knots.push_back(i);
+  }
+  MultiPatch model;
+  model.Patches.push_back({ 0, Aggregate(Spline({ KnotVector(3, knots), {}, {} }, points)) });
+  Addition run(model);
+  run.Filter->SetExpression("x + 2*u");
+  const MultiPatch result = run.Update();
+  ASSERT_TRUE(run.Errors.empty()) << run.Errors[0];
+  const Patch& patch = result.Patches.at(0);
+  EXPECT_EQ(patch.Body.Geometry().Knots(0).Knots(), knots);
+  const Spline& field = *patch.Body.FindAttribute("Attribute");
+  for (double u = 3.0; u <= 9.0; u += 0.25)
+  {
+    // The space is the same one, so the formula is in it.
+    EXPECT_NEAR(
+      field.Evaluate(u)[0], patch.Body.Geometry().Evaluate(u)[0] + 2.0 * u, 1000 * Epsilon);
+  }
+}
+
 TEST(AddAttribute, ReportedErrorIsThatOfTheFormula)
 {
   Addition run(Model());

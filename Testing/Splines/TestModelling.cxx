@@ -558,6 +558,7 @@ TEST(Motions, PathsThatCannotBeFollowedAreRefused)
   rest << 0, 0, 1, 2, 0, 0, 1, 1, 0, 0, 0, 0;
   ExpectError([&] { (void)FollowPath(Curve(rest, 3), 0, 8); }, "comes to rest at 0.0");
   ExpectError([&] { (void)FollowPath(Curve(corner, 2), 0, 1); }, "2 sections at least");
+  ExpectError([&] { (void)FollowPath(Curve(corner, 2), NAN, 8); }, "twist");
   const Aggregate surface = Extrude(Aggregate(Curve(corner, 2)), Vector3d::UnitZ());
   ExpectError([&] { (void)FollowPath(surface.Geometry(), 0, 8); }, "it must be a curve in space");
   ExpectError([&] { (void)Translation(surface.Geometry()); }, "it must be a curve in space");
