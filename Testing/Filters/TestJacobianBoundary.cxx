@@ -14,6 +14,7 @@
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkStructuredGrid.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -525,6 +526,115 @@ TEST(JacobianBoundary, OfWhatDoesNotFoldIsItsFaces)
     EXPECT_EQ(mesh->GetNumberOfCells(), 0);
     EXPECT_NE(mesh->GetCellData()->GetArray("PieceId"), nullptr);
     EXPECT_NE(mesh->GetPointData()->GetArray("JacobianDeterminant"), nullptr);
+  }
+}
+
+// Patches of both handedness in one model: each one's boundary is that of its mirror image, normals
+// of faces outward and those of sheets to growing det J, which the mirror turns round.
+TEST(JacobianBoundary, OfMirroredPatchesIsTheMirrorImage)
+{
+  const Spline right = models::SweptHalfCylinder();
+  Eigen::MatrixXd points = right.Coefficients();
+  points.row(2) = -points.row(2).array() - 1.0;
+  MultiPatch model = Alone(right);
+  model.Patches.push_back({ 7, Aggregate(Spline(right.Knots(), points, right.Weights())) });
+  for (const int method : { Fold::CERTIFIED, Fold::JOY_DUCHAINEAU })
+  {
+    FilterRun run(model);
+    run.Filter->SetMethod(method);
+    vtkPolyData* mesh = run.Update();
+    std::map<int, std::map<int, double>> area;
+    std::map<int, double> volume;
+    for (vtkIdType c = 0; c < mesh->GetNumberOfCells(); ++c)
+    {
+      const std::vector<vtkIdType> p = PointsOf(mesh, c);
+      const Eigen::Vector3d a = Point(mesh, p[0]);
+      const Eigen::Vector3d cross = (Point(mesh, p[1]) - a).cross(Point(mesh, p[2]) - a);
+      const int patch = CellNumber(mesh, "PatchId", c);
+      const int piece = CellNumber(mesh, "Piece", c);
+      area[patch][piece] += 0.5 * cross.norm();
+      volume[patch] += piece < Fold::KNOT_PLANE ? a.dot(cross) / 6.0 : 0.0;
+      Eigen::Vector3d normal;
+      mesh->GetPointData()->GetArray("Normals")->GetTuple(p[0], normal.data());
+      EXPECT_GE(cross.dot(normal), -1e-12);
+    }
+    EXPECT_EQ(area[4].size(), 7u);
+    for (const auto& [piece, size] : area[4])
+    {
+      EXPECT_NEAR(area[7][piece], size, 1e-9) << piece;
+    }
+    // What the faces enclose, folds counted with their sign, is a mirror image too.
+    EXPECT_NEAR(volume[4], volume[7], 1e-9);
+    EXPECT_TRUE(run.Said.empty());
+  }
+}
+
+TEST(JacobianBoundary, OfBadInputIsOneErrorAndEmpty)
+{
+  vtkNew<vtkPartitionedDataSetCollection> good;
+  ToVTK(Alone(models::QuarterTube()), good);
+  auto grid = vtkStructuredGrid::SafeDownCast(good->GetPartition(0, 0));
+  const auto run = [](vtkStructuredGrid* input)
+  {
+    FilterRun bad(MultiPatch{});
+    bad.Filter->SetInputDataObject(input);
+    EXPECT_EQ(bad.Update()->GetNumberOfCells(), 0);
+    // The second message is of the pipeline.
+    return bad.Said.empty() ? std::string() : bad.Said[0];
+  };
+  vtkNew<vtkStructuredGrid> cut;
+  cut->DeepCopy(grid);
+  auto knots = cut->GetFieldData()->GetArray("Knots");
+  knots->SetNumberOfTuples(knots->GetNumberOfTuples() - 1);
+  EXPECT_NE(run(cut).find("nots"), std::string::npos);
+  vtkNew<vtkStructuredGrid> mixed;
+  mixed->DeepCopy(grid);
+  mixed->GetPointData()->GetArray("Weight")->SetTuple1(3, -1.0);
+  EXPECT_NE(run(mixed).find("weight 3 is -1"), std::string::npos);
+  vtkNew<vtkStructuredGrid> infinite;
+  infinite->DeepCopy(grid);
+  infinite->GetPoints()->SetPoint(2, 0.0, std::nan(""), 0.0);
+  EXPECT_NE(run(infinite).find("finite"), std::string::npos);
+
+  FilterRun empty(MultiPatch{});
+  EXPECT_EQ(empty.Update()->GetNumberOfCells(), 0);
+  EXPECT_TRUE(empty.Said.empty());
+
+  const KnotVector line = KnotVector::Uniform(1, 2);
+  Eigen::MatrixXd corners(3, 4);
+  corners << 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0;
+  FilterRun surface(Alone(Spline({ line, line, KnotVector() }, corners)));
+  EXPECT_EQ(surface.Update()->GetNumberOfCells(), 0);
+  ASSERT_EQ(surface.Said.size(), 1u);
+  EXPECT_NE(surface.Said[0].find("1 patches are curves or surfaces"), std::string::npos);
+}
+
+// A volume all of whose control points are one, and one that is flat: nothing to draw, or faces
+// that lie on each other; no error, by either method.
+TEST(JacobianBoundary, OfVolumesWithoutVolumeIsNoError)
+{
+  const Spline tube = ElevateDegree(models::QuarterTube(), 2, 2);
+  Eigen::MatrixXd flat = tube.Coefficients();
+  flat.row(2).setZero();
+  for (const Eigen::MatrixXd& points :
+    { Eigen::MatrixXd(Eigen::MatrixXd::Zero(3, flat.cols())), flat })
+  {
+    for (const int method : { Fold::CERTIFIED, Fold::JOY_DUCHAINEAU })
+    {
+      FilterRun run(Alone(Spline(tube.Knots(), points, tube.Weights())));
+      run.Filter->SetMethod(method);
+      run.Filter->SetMaximumCells(100);
+      vtkPolyData* mesh = run.Update();
+      ASSERT_NE(mesh, nullptr);
+      for (vtkIdType p = 0; p < mesh->GetNumberOfPoints(); ++p)
+      {
+        EXPECT_TRUE(Point(mesh, p).allFinite());
+      }
+      for (const std::string& text : run.Said)
+      {
+        EXPECT_EQ(text.find("ERROR"), std::string::npos) << text;
+      }
+    }
   }
 }
 

@@ -27,6 +27,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 using namespace hyperpatch;
@@ -396,12 +397,18 @@ TEST(NURBSValidity, BadInputIsOneErrorAndEmptyOutput)
   vtkNew<vtkStructuredGrid> mixed;
   mixed->DeepCopy(grid);
   mixed->GetPointData()->GetArray("Weight")->SetTuple1(3, -1.0);
-  for (vtkStructuredGrid* bad : { cut.Get(), mixed.Get() })
+  vtkNew<vtkStructuredGrid> infinite;
+  infinite->DeepCopy(grid);
+  infinite->GetPoints()->SetPoint(2, 0.0, std::nan(""), 0.0);
+  const std::vector<std::pair<vtkStructuredGrid*, std::string>> cases{ { cut, "nots" },
+    { mixed, "weight 3 is -1" }, { infinite, "finite" } };
+  for (const auto& [bad, text] : cases)
   {
     Testee run(bad);
     EXPECT_EQ(run.Mesh()->GetNumberOfCells(), 0);
     EXPECT_EQ(run.Table()->GetNumberOfRows(), 0);
-    EXPECT_GE(run.Messages.size(), 1u);
+    ASSERT_FALSE(run.Messages.empty());
+    EXPECT_NE(run.Messages[0].find(text), std::string::npos) << run.Messages[0];
   }
 }
 
