@@ -26,6 +26,10 @@ constexpr std::size_t FewMembers = 8;
 constexpr std::array<double, 5> Places{ 0.0, 0.21, 0.5, 0.79, 1.0 };
 constexpr std::size_t SamplesPerSide = Places.size() * Places.size();
 
+/// Sides whose samples differ by less of the extent of the model are the same, where no interfaces
+/// are known.
+constexpr double ContactTolerance = 1e-9;
+
 /// Reads numbers one after the other.
 class Record
 {
@@ -97,6 +101,9 @@ private:
   /// False if aborted on any rank.
   bool ForAll(const std::function<bool(Engine&)>& work);
   void FindParts();
+  /// Sides of parts that are the same: of elements, or of all.
+  [[nodiscard]] std::vector<ZeroSetContact> FindAllContacts(
+    const std::vector<ZeroSetPart>& parts, bool ofAll);
   void SetSides();
   void CompareSides();
   Outcome Draw(const std::function<void(double, double)>& stage);
@@ -201,6 +208,7 @@ void ZeroSetGroup::Worker::FindParts()
     Append(records,
       std::array<int, 4>{ this->Members[m].Value, patch.Id, this->OfAll.Own, static_cast<int>(m) });
     Append(records, patch.IsDomainFace);
+    Append(records, patch.FirstSpan);
     records.insert(records.end(), { *least, *greatest });
     Append(records, low);
     Append(records, high);
@@ -231,6 +239,10 @@ void ZeroSetGroup::Worker::FindParts()
     {
       isDomainFace = r.Number() != 0.0;
     }
+    for (int& span : part.FirstSpan)
+    {
+      span = r.Integer();
+    }
     part.LowValue = r.Number();
     part.HighValue = r.Number();
     part.Bounds = r.Numbers<6>();
@@ -252,7 +264,7 @@ void ZeroSetGroup::Worker::FindParts()
   // In an order that does not depend on who has them.
   std::stable_sort(parts.begin(), parts.end(),
     [](const ZeroSetPart& a, const ZeroSetPart& b)
-    { return std::tie(a.Value, a.Patch, a.First) < std::tie(b.Value, b.Patch, b.First); });
+    { return std::tie(a.Value, a.Patch, a.FirstSpan) < std::tie(b.Value, b.Patch, b.FirstSpan); });
 
   std::vector<double> flat;
   for (const Interface& interface : this->Interfaces)
@@ -271,16 +283,13 @@ void ZeroSetGroup::Worker::FindParts()
     }
     interfaces.push_back(interface);
   }
-  this->Topology.Set(std::move(parts), interfaces);
-
-  this->Parts.assign(this->Members.size(), -1);
   Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY);
   Eigen::Vector3d high = -low;
   std::map<int, std::array<double, 2>> ranges;
-  const auto& all = this->Topology.All();
-  for (std::size_t p = 0; p < all.size(); ++p)
+  this->Parts.assign(this->Members.size(), -1);
+  for (std::size_t p = 0; p < parts.size(); ++p)
   {
-    const ZeroSetPart& part = all[p];
+    const ZeroSetPart& part = parts[p];
     if (part.Rank == this->OfAll.Own)
     {
       this->Parts[static_cast<std::size_t>(part.Member)] = static_cast<int>(p);
@@ -292,7 +301,12 @@ void ZeroSetGroup::Worker::FindParts()
         .first->second;
     range = { std::min(range[0], part.LowValue), std::max(range[1], part.HighValue) };
   }
-  this->Distance = all.empty() ? 0.0 : AgreementTolerance * (high - low).norm();
+  this->Distance = parts.empty() ? 0.0 : AgreementTolerance * (high - low).norm();
+  const bool hasElements = ZeroSetParts::FindElements(parts);
+  const std::vector<ZeroSetContact> contacts = hasElements || interfaces.empty()
+    ? this->FindAllContacts(parts, interfaces.empty())
+    : std::vector<ZeroSetContact>();
+  this->Topology.Set(std::move(parts), interfaces, contacts);
   for (const auto& [value, range] : ranges)
   {
     this->Differs[value] = AgreementTolerance * (range[1] - range[0]);
@@ -301,6 +315,76 @@ void ZeroSetGroup::Worker::FindParts()
   {
     this->At(m).SetLines(this->Topology.LinesOf(this->Part(m)));
   }
+}
+
+std::vector<ZeroSetContact> ZeroSetGroup::Worker::FindAllContacts(
+  const std::vector<ZeroSetPart>& parts, bool ofAll)
+{
+  std::vector<double> records;
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
+  {
+    const ZeroSetPart& part = parts[static_cast<std::size_t>(this->PartOf(m))];
+    const Engine& engine = this->At(m);
+    for (int side = 0; side < NumberOfSides; ++side)
+    {
+      if (!(ofAll || part.IsElement) || engine.Axes.size() != 3 ||
+        !part.IsDomainFace[static_cast<std::size_t>(side)])
+      {
+        continue;
+      }
+      constexpr std::size_t Count = ZeroSetSide::Places.size();
+      const int normal = side / 2;
+      Eigen::Matrix3Xd at(3, static_cast<Index>(ZeroSetSide::Size));
+      for (Index i = 0; i < at.cols(); ++i)
+      {
+        std::size_t rest = static_cast<std::size_t>(i);
+        for (int d = 0; d < 3; ++d)
+        {
+          double t = side % 2;
+          if (d != normal)
+          {
+            t = ZeroSetSide::Places[rest % Count];
+            rest /= Count;
+          }
+          at(d, i) = t == 1.0 ? engine.High[d] : (1.0 - t) * engine.Low[d] + t * engine.High[d];
+        }
+      }
+      Eigen::MatrixXd points(engine.Geometry.Components(), at.cols());
+      engine.Geometry.Evaluate(ZeroSetSide::Size, at.data(), points.data());
+      records.insert(
+        records.end(), { static_cast<double>(this->PartOf(m)), static_cast<double>(side) });
+      for (Index i = 0; i < at.cols(); ++i)
+      {
+        for (Index c = 0; c < 3; ++c)
+        {
+          records.push_back(c < points.rows() ? points(c, i) : 0.0);
+        }
+      }
+    }
+  }
+  records = this->OfAll.All(records);
+  std::map<int, std::vector<ZeroSetSide>> sides; // by value
+  for (Record r(records); !r.IsAtEnd();)
+  {
+    ZeroSetSide side{};
+    side.Part = r.Integer();
+    side.Side = r.Integer();
+    for (auto& sample : side.Samples)
+    {
+      sample = r.Numbers<3>();
+    }
+    sides[parts[static_cast<std::size_t>(side.Part)].Value].push_back(side);
+  }
+  std::vector<ZeroSetContact> contacts;
+  for (auto& [value, some] : sides)
+  {
+    std::sort(some.begin(), some.end(),
+      [](const ZeroSetSide& a, const ZeroSetSide& b)
+      { return std::tie(a.Part, a.Side) < std::tie(b.Part, b.Side); });
+    const auto found = FindContacts(some, ContactTolerance / AgreementTolerance * this->Distance);
+    contacts.insert(contacts.end(), found.begin(), found.end());
+  }
+  return contacts;
 }
 
 void ZeroSetGroup::Worker::SetSides()

@@ -29,6 +29,9 @@ namespace hyperpatch
 /// contradicts that of others (as on a one-sided ring of patches), is left open, and the open edges
 /// are counted.
 ///
+/// Where no interfaces are known, and for elements (parts of a patch that all have the same
+/// parameters, as Bezier cells), sides that coincide are found.
+///
 /// The patches may be spread over ranks, each of which has a group of its own part.
 class ZeroSetGroup
 {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ZeroSetPartsWorker.h"
 
+#include <Eigen/Core>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <limits>
 #include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 
 namespace hyperpatch
@@ -36,16 +39,27 @@ public:
       this->Parent[i] = i;
     }
   }
-  [[nodiscard]] std::pair<std::size_t, bool> Find(std::size_t i) const
+  [[nodiscard]] std::pair<std::size_t, bool> Find(std::size_t i)
   {
+    std::size_t root = i;
     bool against = false;
-    for (; this->Parent[i] != i; i = this->Parent[i])
+    for (; this->Parent[root] != root; root = this->Parent[root])
     {
-      against = against != this->Against[i];
+      against = against != this->Against[root];
     }
-    return { i, against };
+    // The next time it is one step.
+    for (bool rest = against; this->Parent[i] != root && i != root;)
+    {
+      const std::size_t next = this->Parent[i];
+      const bool step = this->Against[i];
+      this->Parent[i] = root;
+      this->Against[i] = rest;
+      rest = rest != step;
+      i = next;
+    }
+    return { root, against };
   }
-  [[nodiscard]] bool MayJoin(std::size_t i, std::size_t j, bool against) const
+  [[nodiscard]] bool MayJoin(std::size_t i, std::size_t j, bool against)
   {
     const auto [a, turnedA] = this->Find(i);
     const auto [b, turnedB] = this->Find(j);
@@ -75,11 +89,128 @@ std::size_t Index(int i)
 
 }
 
-void ZeroSetParts::Set(std::vector<ZeroSetPart> parts, const std::vector<Interface>& interfaces)
+std::vector<ZeroSetContact> FindContacts(const std::vector<ZeroSetSide>& sides, double distance)
+{
+  constexpr int Count = static_cast<int>(ZeroSetSide::Places.size());
+  const auto sample = [](const ZeroSetSide& side, int i, int j)
+  { return Eigen::Vector3d(side.Samples[Index(i + Count * j)].data()); };
+  // By the cells of a grid that the mean of the corners is in or near to.
+  const double cell = 4.0 * std::max(distance, std::numeric_limits<double>::min());
+  std::map<std::array<double, 3>, std::vector<std::size_t>> open;
+  std::vector<ZeroSetContact> contacts;
+  for (std::size_t s = 0; s < sides.size(); ++s)
+  {
+    const ZeroSetSide& side = sides[s];
+    bool collapsed[2] = { true, true };
+    for (int i = 0; i < Count; ++i)
+    {
+      for (int j = 0; j < Count; ++j)
+      {
+        collapsed[0] = collapsed[0] && (sample(side, i, j) - sample(side, 0, j)).norm() <= distance;
+        collapsed[1] = collapsed[1] && (sample(side, i, j) - sample(side, i, 0)).norm() <= distance;
+      }
+    }
+    if (collapsed[0] || collapsed[1])
+    {
+      continue;
+    }
+    const Eigen::Vector3d mean = 0.25 *
+      (sample(side, 0, 0) + sample(side, Count - 1, 0) + sample(side, 0, Count - 1) +
+        sample(side, Count - 1, Count - 1));
+    bool isMet = false;
+    for (int corner = 0; corner < 8 && !isMet; ++corner)
+    {
+      std::array<double, 3> key{};
+      for (int d = 0; d < 3; ++d)
+      {
+        const double shift = corner >> d & 1 ? 1.0 : -1.0;
+        key[Index(d)] = std::floor((mean[d] + shift * distance) / cell);
+      }
+      const auto near = open.find(key);
+      for (std::size_t o = 0; near != open.end() && o < near->second.size() && !isMet; ++o)
+      {
+        const ZeroSetSide& other = sides[near->second[o]];
+        for (int code = 0; code < 8 && !isMet; ++code)
+        {
+          bool same = true;
+          for (int j = 0; j < Count && same; ++j)
+          {
+            for (int i = 0; i < Count && same; ++i)
+            {
+              const int a = code & 1 ? Count - 1 - i : i;
+              const int b = code & 2 ? Count - 1 - j : j;
+              same =
+                (sample(other, i, j) - sample(side, code & 4 ? b : a, code & 4 ? a : b)).norm() <=
+                distance;
+            }
+          }
+          if (!same)
+          {
+            continue;
+          }
+          const int normal = other.Side / 2;
+          const std::array<int, 2> along{ normal == 0 ? 1 : 0, normal == 2 ? 1 : 2 };
+          const int ownNormal = side.Side / 2;
+          const std::array<int, 2> own{ ownNormal == 0 ? 1 : 0, ownNormal == 2 ? 1 : 2 };
+          ZeroSetContact contact{ other.Part, other.Side, side.Part, side.Side, {}, {} };
+          contact.Axis[Index(normal)] = ownNormal;
+          for (std::size_t d = 0; d < 2; ++d)
+          {
+            contact.Axis[Index(along[d])] = own[code & 4 ? 1 - d : d];
+            contact.Same[Index(along[d])] = (code >> d & 1) == 0;
+          }
+          contacts.push_back(contact);
+          near->second.erase(near->second.begin() + static_cast<std::ptrdiff_t>(o));
+          isMet = true;
+        }
+      }
+    }
+    if (!isMet)
+    {
+      std::array<double, 3> key{};
+      for (int d = 0; d < 3; ++d)
+      {
+        key[Index(d)] = std::floor(mean[d] / cell);
+      }
+      open[key].push_back(s);
+    }
+  }
+  return contacts;
+}
+
+bool ZeroSetParts::FindElements(std::vector<ZeroSetPart>& parts)
+{
+  using Key = std::tuple<int, int, std::array<double, 3>>;
+  std::map<Key, int> uses;
+  for (const ZeroSetPart& part : parts)
+  {
+    ++uses[{ part.Value, part.Patch, part.First }];
+  }
+  std::set<std::pair<int, int>> divided;
+  for (const auto& [key, count] : uses)
+  {
+    if (count > 1)
+    {
+      divided.insert({ std::get<0>(key), std::get<1>(key) });
+    }
+  }
+  for (ZeroSetPart& part : parts)
+  {
+    part.IsElement = divided.count({ part.Value, part.Patch }) > 0;
+    if (part.IsElement)
+    {
+      part.IsDomainFace.fill(true);
+    }
+  }
+  return !divided.empty();
+}
+
+void ZeroSetParts::Set(std::vector<ZeroSetPart> parts, const std::vector<Interface>& interfaces,
+  const std::vector<ZeroSetContact>& contacts)
 {
   this->P = std::move(parts);
   this->FindPatches();
-  this->JoinDirections(interfaces);
+  this->JoinDirections(interfaces, contacts);
   this->MakeLines();
   this->FindLinks();
 }
@@ -87,12 +218,13 @@ void ZeroSetParts::Set(std::vector<ZeroSetPart> parts, const std::vector<Interfa
 void ZeroSetParts::FindPatches()
 {
   this->W.clear();
-  std::map<std::pair<int, int>, int> numbers;
+  std::map<std::array<int, 3>, int> numbers;
   for (std::size_t p = 0; p < this->P.size(); ++p)
   {
     ZeroSetPart& part = this->P[p];
+    const int element = part.IsElement ? static_cast<int>(p) : -1;
     const auto [found, isNew] =
-      numbers.try_emplace({ part.Value, part.Patch }, static_cast<int>(this->W.size()));
+      numbers.try_emplace({ part.Value, part.Patch, element }, static_cast<int>(this->W.size()));
     part.Whole = found->second;
     if (isNew)
     {
@@ -131,16 +263,12 @@ void ZeroSetParts::FindPatches()
   }
 }
 
-void ZeroSetParts::JoinDirections(const std::vector<Interface>& interfaces)
+void ZeroSetParts::JoinDirections(
+  const std::vector<Interface>& interfaces, const std::vector<ZeroSetContact>& contacts)
 {
   this->Joints.clear();
   this->Listed.assign(this->P.size(), {});
   Directions directions(3 * this->W.size());
-  std::multimap<int, int> patchesOf;
-  for (std::size_t w = 0; w < this->W.size(); ++w)
-  {
-    patchesOf.emplace(this->W[w].Patch, static_cast<int>(w));
-  }
   const auto list = [this](int patch, int side)
   {
     for (const int p : this->W[Index(patch)].Parts)
@@ -151,13 +279,48 @@ void ZeroSetParts::JoinDirections(const std::vector<Interface>& interfaces)
       }
     }
   };
+  const auto join = [&](const Joint& joint, const std::array<bool, 3>& same)
+  {
+    const auto& [one, side1, two, side2, axis] = joint;
+    Whole& whole1 = this->W[Index(one)];
+    Whole& whole2 = this->W[Index(two)];
+    list(one, side1);
+    list(two, side2);
+    bool fits = (one != two || side1 != side2) && !whole1.IsTaken[Index(side1)] &&
+      !whole2.IsTaken[Index(side2)];
+    for (int d = 0; d < 3 && fits; ++d)
+    {
+      const auto i = Index(3 * one + d);
+      const auto j = Index(3 * two + axis[Index(d)]);
+      fits = whole1.IsThere[Index(d)] == whole2.IsThere[Index(axis[Index(d)])] &&
+        (d == side1 / 2 || directions.MayJoin(i, j, !same[Index(d)]));
+      if (fits && d != side1 / 2)
+      {
+        directions.Join(i, j, !same[Index(d)]);
+      }
+    }
+    if (fits)
+    {
+      whole1.IsTaken[Index(side1)] = whole2.IsTaken[Index(side2)] = true;
+      this->Joints.push_back(joint);
+    }
+  };
+  // Elements can only be in contacts.
+  std::multimap<int, int> patchesOf;
+  for (std::size_t w = 0; w < this->W.size(); ++w)
+  {
+    if (!this->P[Index(this->W[w].Parts[0])].IsElement)
+    {
+      patchesOf.emplace(this->W[w].Patch, static_cast<int>(w));
+    }
+  }
   std::set<std::array<int, 10>> once;
   for (const Interface& interface : interfaces)
   {
     const auto& v = interface.Values;
     const int side1 = v[1] - 1;
     const int side2 = v[3] - 1;
-    std::array<int, 3> axis{ v[4], v[5], v[6] };
+    const std::array<int, 3> axis{ v[4], v[5], v[6] };
     std::array<int, 3> sorted = axis;
     std::sort(sorted.begin(), sorted.end());
     if (!once.insert(v).second || side1 < 0 || side1 >= NumberOfSides || side2 < 0 ||
@@ -167,40 +330,27 @@ void ZeroSetParts::JoinDirections(const std::vector<Interface>& interfaces)
       continue;
     }
     const auto [begin, end] = patchesOf.equal_range(v[0]);
+    const auto [begin2, end2] = patchesOf.equal_range(v[2]);
     for (auto first = begin; first != end; ++first)
     {
-      const auto [begin2, end2] = patchesOf.equal_range(v[2]);
-      const auto second = std::find_if(begin2, end2,
-        [&](const auto& entry)
-        { return this->W[Index(entry.second)].Value == this->W[Index(first->second)].Value; });
-      if (second == end2)
+      for (auto second = begin2; second != end2; ++second)
       {
-        continue;
-      }
-      const int one = first->second;
-      const int two = second->second;
-      Whole& whole1 = this->W[Index(one)];
-      Whole& whole2 = this->W[Index(two)];
-      list(one, side1);
-      list(two, side2);
-      bool fits = (one != two || side1 != side2) && !whole1.IsTaken[Index(side1)] &&
-        !whole2.IsTaken[Index(side2)];
-      for (int d = 0; d < 3 && fits; ++d)
-      {
-        const int other = axis[Index(d)];
-        fits = whole1.IsThere[Index(d)] == whole2.IsThere[Index(other)] &&
-          (d == side1 / 2 ||
-            directions.MayJoin(Index(3 * one + d), Index(3 * two + other), v[Index(7 + d)] == 0));
-        if (fits && d != side1 / 2)
+        if (this->W[Index(first->second)].Value == this->W[Index(second->second)].Value)
         {
-          directions.Join(Index(3 * one + d), Index(3 * two + other), v[Index(7 + d)] == 0);
+          join({ first->second, side1, second->second, side2, axis },
+            { v[7] != 0, v[8] != 0, v[9] != 0 });
         }
       }
-      if (fits)
-      {
-        whole1.IsTaken[Index(side1)] = whole2.IsTaken[Index(side2)] = true;
-        this->Joints.push_back({ one, side1, two, side2, axis });
-      }
+    }
+  }
+  std::set<std::array<int, 4>> known; // other parts of the same two sides
+  for (const ZeroSetContact& contact : contacts)
+  {
+    const int one = this->P[Index(contact.Part)].Whole;
+    const int two = this->P[Index(contact.OtherPart)].Whole;
+    if (known.insert({ one, contact.Side, two, contact.OtherSide }).second)
+    {
+      join({ one, contact.Side, two, contact.OtherSide, contact.Axis }, contact.Same);
     }
   }
   // Classes are numbered in the order of their first directions.

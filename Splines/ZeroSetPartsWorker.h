@@ -23,6 +23,10 @@ struct ZeroSetPart
   int Rank;       ///< who has it
   int Member;     ///< its number there
   int Whole = -1; ///< index of the patch
+  /// The first knot spans in the patch: parts with the same parameters are elements, each a patch
+  /// of its own here.
+  std::array<int, 3> FirstSpan{};
+  bool IsElement = false;
   std::array<bool, 6> IsDomainFace{};
   std::array<bool, 3> IsThere{};
   std::array<double, 3> First{}, Last{}; ///< of the parameters
@@ -49,6 +53,29 @@ struct ZeroSetPlace
   [[nodiscard]] int Along() const { return this->Axis == 3 ? -1 : this->Axis % 4; }
 };
 
+/// A side of a part, to be compared with others.
+struct ZeroSetSide
+{
+  int Part, Side;
+  /// Values of the two parameters along it, in [0, 1], at which it is sampled; with some that are
+  /// not symmetric.
+  static constexpr std::array<double, 4> Places{ 0.0, 0.3, 0.7, 1.0 };
+  static constexpr std::size_t Size = Places.size() * Places.size();
+  std::array<std::array<double, 3>, Size> Samples; ///< the lower direction fastest
+};
+
+/// Two sides that are the same.
+struct ZeroSetContact
+{
+  int Part, Side, OtherPart, OtherSide;
+  std::array<int, 3> Axis; ///< the other's direction of each of ours
+  std::array<bool, 3> Same;
+};
+
+/// Pairs of sides whose samples coincide. Sides that are collapsed have none.
+[[nodiscard]] std::vector<ZeroSetContact> FindContacts(
+  const std::vector<ZeroSetSide>& sides, double distance);
+
 /// How a part goes on in another one, or in itself, beyond one of its sides.
 struct ZeroSetLink
 {
@@ -66,7 +93,10 @@ class ZeroSetParts
 public:
   /// All parts, as every rank has them in the same order, and the interfaces between their patches.
   /// Interfaces whose directions or orientations contradict the others are left out.
-  void Set(std::vector<ZeroSetPart> parts, const std::vector<Interface>& interfaces);
+  void Set(std::vector<ZeroSetPart> parts, const std::vector<Interface>& interfaces,
+    const std::vector<ZeroSetContact>& contacts);
+  /// Sets IsElement. Whether any is one.
+  static bool FindElements(std::vector<ZeroSetPart>& parts);
 
   [[nodiscard]] const std::vector<ZeroSetPart>& All() const { return this->P; }
   /// The ways on from a part, without those that were dropped.
@@ -117,7 +147,8 @@ private:
     std::array<int, 3> Axis;
   };
   void FindPatches();
-  void JoinDirections(const std::vector<Interface>& interfaces);
+  void JoinDirections(
+    const std::vector<Interface>& interfaces, const std::vector<ZeroSetContact>& contacts);
   void MakeLines();
   void FindLinks();
   void AddLinks(

@@ -536,6 +536,46 @@ TEST(ZeroSetGroup, PatchesOfOtherKnotsOrDegreesCloseWhereTheMapsAgree)
   }
 }
 
+TEST(ZeroSetGroup, WithoutInterfacesSidesThatCoincideAreFound)
+{
+  std::vector<Turn> turns;
+  for (int i = 0; i < 8; ++i)
+  {
+    turns.push_back(Turn::Number(13 * i % 48));
+  }
+  MultiPatch model = Split(Curved(2), { 2, 2, 2 }, turns);
+  model.Interfaces.clear();
+  const MakeField field = Slice(Sphere({ 0.5, 0.52, 0.5 }, 0.3));
+  EXPECT_EQ(Weld(Draw(model, field, 1e-2).Meshes).Euler, 2);
+
+  // Elements: each has the domain of the unit cube and the id of one patch.
+  for (std::size_t p = 0; p < 8; ++p)
+  {
+    Patch& patch = model.Patches[p];
+    std::array<KnotVector, 3> knots;
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      const KnotVector& old = patch.Body.Geometry().Knots()[d];
+      std::vector<double> k = old.Knots();
+      for (double& x : k)
+      {
+        x = (x - old.First()) / (old.Last() - old.First());
+      }
+      knots[d] = KnotVector(old.Degree(), k);
+    }
+    patch.Body = Aggregate(
+      Spline(knots, patch.Body.Geometry().Coefficients(), patch.Body.Geometry().Weights()));
+    patch.Id = 0;
+    patch.FirstSpan = { static_cast<int>(p), 0, 0 };
+    patch.WholeSpans = { 8, 1, 1 };
+    patch.IsDomainFace.fill(false);
+  }
+  const Drawn elements = Draw(model, field, 1e-2);
+  EXPECT_EQ(Weld(elements.Meshes).Open, 0);
+  EXPECT_EQ(Weld(elements.Meshes).Euler, 2);
+  ExpectNoCrack(elements.Certificate);
+}
+
 TEST(ZeroSetGroup, RanksGiveWhatOneGives)
 {
   std::vector<Turn> turns;
