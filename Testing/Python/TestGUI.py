@@ -179,6 +179,32 @@ class GUI(unittest.TestCase):
         self.assertAlmostEqual(bounds[4], -bounds[1])
         self.assertAlmostEqual(bounds[5], 0)
 
+    def test_a_fit_stays_in_the_view(self):
+        session = self.session()
+        session.load_plugin()
+        session.event('menubar/menuSources/Alphabetical', 'activate', 'RTAnalyticSource')
+        session.apply()
+        session.filter('NURBSFit')
+        controls = ('FitTo', 'ControlPoints', 'TargetError', 'ErrorMeasure', 'Smoothing')
+
+        def check(*visible):
+            for name in controls:
+                session.check(f'{gui.PANEL}/{name}', 'visible',
+                              'true' if name in visible else 'false')
+
+        check()
+        session.event(gui.PANEL + '/Method/ComboBox', 'set_string', 'Least Squares')
+        check('FitTo', 'ControlPoints', 'Smoothing')
+        session.event(gui.PANEL + '/FitTo/ComboBox', 'set_string', 'Target Error')
+        check('FitTo', 'TargetError', 'ErrorMeasure')
+        session.apply()
+        # The table opens no view, in which the next filter would be shown.
+        session.python('record(view=simple.GetActiveView().GetXMLName())')
+        session.python(f'{PIPELINE}\nrecord(pipeline=pipeline)')
+        seen = session.play()
+        self.assertEqual(seen['view'], 'RenderView')
+        self.assertEqual(shown(seen['pipeline']), ['NURBSFit1'])
+
 
 if __name__ == '__main__':
     unittest.main()
