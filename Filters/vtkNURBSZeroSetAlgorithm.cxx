@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkNURBSZeroSetAlgorithm.h"
 
+#include "FieldNumbers.h"
 #include "Measures.h"
 #include "NURBSMeshOutput.h"
 #include "ZeroSetGroup.h"
 
-#include "vtkDoubleArray.h"
-#include "vtkFieldData.h"
-#include "vtkIdTypeArray.h"
 #include "vtkMultiProcessController.h"
-#include "vtkNew.h"
 
+#include <map>
 #include <utility>
 
 VTK_ABI_NAMESPACE_BEGIN
@@ -51,9 +49,13 @@ const std::vector<vtkNURBSZeroSetAlgorithm::PreparedPatch>& vtkNURBSZeroSetAlgor
 void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   const AbsoluteTolerances& tolerances, NURBSMeshOutput& output, vtkFieldData* fieldData)
 {
+  // Several fields of one value on a patch are surfaces of their own.
+  constexpr int MostValues = 1 << 20;
+  std::map<std::pair<const hyperpatch::Patch*, int>, int> fieldsOf;
   std::vector<hyperpatch::ZeroSetGroup::Member> members;
   for (const Task& task : tasks)
   {
+    const int field = fieldsOf[{ task.On.Patch.get(), task.Value }]++;
     hyperpatch::ZeroSetOptions options;
     options.Tolerance = tolerances.Position;
     options.AttributeTolerances = tolerances.Of(*task.On.Patch);
@@ -62,8 +64,8 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
       options.AttributeTolerances[static_cast<std::size_t>(task.Constant)] = 0.0;
     }
     options.Handedness = task.On.Handedness;
-    members.push_back(
-      { task.On.Patch.get(), task.On.Body, task.Field.get(), task.Value, std::move(options) });
+    members.push_back({ task.On.Patch.get(), task.On.Body, task.Field.get(),
+      task.Value + MostValues * field, std::move(options) });
   }
   hyperpatch::ZeroSetGroup group(members, this->Interfaces,
     { this->GetController() ? this->GetController()->GetLocalProcessId() : 0,
@@ -87,28 +89,14 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
     output.MergePoints(before);
   }
 
-  const auto addCount = [fieldData](const char* name, std::int64_t value)
-  {
-    vtkNew<vtkIdTypeArray> array;
-    array->SetName(name);
-    array->InsertNextValue(static_cast<vtkIdType>(value));
-    fieldData->AddArray(array);
-  };
-  const auto addNumber = [fieldData](const char* name, double value)
-  {
-    vtkNew<vtkDoubleArray> array;
-    array->SetName(name);
-    array->InsertNextValue(value);
-    fieldData->AddArray(array);
-  };
-  addCount("CertifiedCells", certificate.CertifiedCells);
-  addCount("UndecidedCells", certificate.UndecidedCells);
-  addNumber("LargestResidual", certificate.LargestResidual);
-  addNumber("LargestError", certificate.LargestError);
-  addCount("ToleranceReached", certificate.ToleranceReached ? 1 : 0);
-  addCount("OpenEdgesOnBoundary", certificate.OpenEdgesOnBoundary);
-  addCount("OpenEdgesOnInterfaces", certificate.OpenEdgesOnInterfaces);
-  addCount("OpenEdgesInside", certificate.OpenEdgesInside);
+  FieldNumbers::AddCount(fieldData, "CertifiedCells", certificate.CertifiedCells);
+  FieldNumbers::AddCount(fieldData, "UndecidedCells", certificate.UndecidedCells);
+  FieldNumbers::AddNumber(fieldData, "LargestResidual", certificate.LargestResidual);
+  FieldNumbers::AddNumber(fieldData, "LargestError", certificate.LargestError);
+  FieldNumbers::AddCount(fieldData, "ToleranceReached", certificate.ToleranceReached ? 1 : 0);
+  FieldNumbers::AddCount(fieldData, "OpenEdgesOnBoundary", certificate.OpenEdgesOnBoundary);
+  FieldNumbers::AddCount(fieldData, "OpenEdgesOnInterfaces", certificate.OpenEdgesOnInterfaces);
+  FieldNumbers::AddCount(fieldData, "OpenEdgesInside", certificate.OpenEdgesInside);
   if (!certificate.ToleranceReached && certificate.LargestError <= tolerances.Position &&
     certificate.LargestAttributeError <= 1.0)
   {

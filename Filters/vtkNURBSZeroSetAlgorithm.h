@@ -89,7 +89,9 @@ protected:
   {
     PreparedPatch On;
     std::shared_ptr<const hyperpatch::ScalarField> Field;
-    int Value = 0; ///< label of the cells; parts of a patch with the same value share a grid
+    /// Label of the cells. Tasks of the same value are one surface; where a patch has several of
+    /// them, the first of all patches are one, the second, and so on.
+    int Value = 0;
     /// Index of an attribute that is constant where the field is 0: its tolerance does not apply.
     int Constant = -1;
   };

@@ -41,7 +41,7 @@ public:
     const Patch* On;
     std::shared_ptr<const PreparedAggregate> Body; ///< of that patch
     const ScalarField* Field;
-    int Value = 0; ///< members with the same value belong together
+    int Value = 0; ///< members with the same value belong together, one of each patch or part
     /// Those of a zero set alone; `For` is chosen by the group.
     ZeroSetOptions Options;
   };

@@ -180,18 +180,13 @@ std::vector<ZeroSetContact> FindContacts(const std::vector<ZeroSetSide>& sides, 
 
 bool ZeroSetParts::FindElements(std::vector<ZeroSetPart>& parts)
 {
-  using Key = std::tuple<int, int, std::array<double, 3>>;
-  std::map<Key, int> uses;
+  std::set<std::tuple<int, int, std::array<double, 3>>> known;
+  std::set<std::pair<int, int>> divided;
   for (const ZeroSetPart& part : parts)
   {
-    ++uses[{ part.Value, part.Patch, part.First }];
-  }
-  std::set<std::pair<int, int>> divided;
-  for (const auto& [key, count] : uses)
-  {
-    if (count > 1)
+    if (!known.insert({ part.Value, part.Patch, part.First }).second)
     {
-      divided.insert({ std::get<0>(key), std::get<1>(key) });
+      divided.insert({ part.Value, part.Patch });
     }
   }
   for (ZeroSetPart& part : parts)
