@@ -35,7 +35,7 @@ public:
     {
       return { this->Slots[slot], false };
     }
-    const auto number = static_cast<std::int64_t>(this->Keys.size());
+    const auto number = static_cast<std::int32_t>(this->Keys.size());
     this->Keys.push_back(key);
     this->Slots[slot] = number;
     if (2 * this->Keys.size() > this->Slots.size())
@@ -43,7 +43,7 @@ public:
       this->Slots.assign(2 * this->Slots.size(), -1);
       for (std::size_t k = 0; k < this->Keys.size(); ++k)
       {
-        this->Slots[this->SlotOf(this->Keys[k])] = static_cast<std::int64_t>(k);
+        this->Slots[this->SlotOf(this->Keys[k])] = static_cast<std::int32_t>(k);
       }
     }
     return { number, true };
@@ -56,23 +56,31 @@ private:
   /// The slot with the key, or the empty one where it belongs.
   [[nodiscard]] std::size_t SlotOf(const Key& key) const
   {
-    std::uint64_t hash = 0;
-    for (const int k : key)
-    {
-      hash = (hash ^ static_cast<std::uint32_t>(k)) * 0x9E3779B97F4A7C15u;
-      hash ^= hash >> 29;
-    }
+    const std::uint64_t first = Pair(key[0], key[1]);
+    const std::uint64_t second = Pair(key[2], key[3]);
+    std::uint64_t hash = (first ^ second * 0x9E3779B97F4A7C15u) * 0xD6E8FEB86659FD93u;
+    hash = (hash ^ hash >> 32) * 0xD6E8FEB86659FD93u;
     const std::size_t mask = this->Slots.size() - 1;
-    std::size_t slot = static_cast<std::size_t>(hash) & mask;
-    while (this->Slots[slot] >= 0 && this->Keys[static_cast<std::size_t>(this->Slots[slot])] != key)
+    auto slot = static_cast<std::size_t>(hash >> 20) & mask;
+    while (this->Slots[slot] >= 0)
     {
+      // In two words: the comparison of the arrays is a call.
+      const Key& there = this->Keys[static_cast<std::size_t>(this->Slots[slot])];
+      if (Pair(there[0], there[1]) == first && Pair(there[2], there[3]) == second)
+      {
+        break;
+      }
       slot = (slot + 1) & mask;
     }
     return slot;
   }
+  [[nodiscard]] static std::uint64_t Pair(int a, int b)
+  {
+    return std::uint64_t{ static_cast<std::uint32_t>(a) } << 32 | static_cast<std::uint32_t>(b);
+  }
 
   std::vector<Key> Keys;
-  std::vector<std::int64_t> Slots; ///< a power of two, at most half full
+  std::vector<std::int32_t> Slots; ///< a power of two, at most half full
 };
 
 }

@@ -91,15 +91,15 @@ Eigen::Vector3d ZeroSet::Worker::Normal(
   return norm > 0.0 ? Eigen::Vector3d(normal / norm) : normal;
 }
 
-void ZeroSet::Worker::ForMinimalFaces(
-  const Node& low, int size, int normal, const VisitPart& visit) const
+template <typename Visitor>
+void ZeroSet::Worker::ForMinimalFaces(const Node& low, int size, int normal, Visitor&& visit) const
 {
   const auto b = static_cast<std::size_t>((normal + 1) % 3);
   const auto c = static_cast<std::size_t>((normal + 2) % 3);
   Node centre = low;
   centre[b] += size / 2;
   centre[c] += size / 2;
-  if (size > 1 && this->Axes.size() == 3 && this->IsNode(centre))
+  if (this->MayBeDivided(size) && this->Axes.size() == 3 && this->IsNode(centre))
   {
     // A box on one of the two sides was halved.
     for (int i = 0; i < 4; ++i)
@@ -114,31 +114,30 @@ void ZeroSet::Worker::ForMinimalFaces(
   visit(low, size);
 }
 
+template <typename Visitor>
 void ZeroSet::Worker::ForMinimalEdges(
-  const Node& low, int size, int axis, const VisitPart& visit) const
+  const Node& low, int size, int axis, bool forward, Visitor&& visit) const
 {
   Node middle = low;
   middle[static_cast<std::size_t>(axis)] += size / 2;
-  if (size > 1 && this->IsNode(middle))
+  if (this->MayBeDivided(size) && this->IsNode(middle))
   {
-    this->ForMinimalEdges(low, size / 2, axis, visit);
-    this->ForMinimalEdges(middle, size / 2, axis, visit);
+    this->ForMinimalEdges(forward ? low : middle, size / 2, axis, forward, visit);
+    this->ForMinimalEdges(forward ? middle : low, size / 2, axis, forward, visit);
     return;
   }
   visit(low, size);
 }
 
-ZeroSet::Worker::Index ZeroSet::Worker::VertexOn(const Node& low, int size, int axis)
+ZeroSet::Worker::Index ZeroSet::Worker::VertexOn(
+  const Node& low, int size, int axis, double fLow, double fHigh)
 {
-  Node high = low;
-  high[static_cast<std::size_t>(axis)] += size;
-  const double f0 = this->ValueAt(low);
-  const double f1 = this->ValueAt(high);
   // Only a positive end can be zero; then the vertex is that node.
-  Vertex vertex{ low, axis, size, f0, f1, 0.0, false };
-  if (f0 == 0.0 || f1 == 0.0)
+  Vertex vertex{ low, axis, size, fLow, fHigh, 0.0, false };
+  if (fLow == 0.0 || fHigh == 0.0)
   {
-    vertex = { f0 == 0.0 ? low : high, 3, 0, 0.0, 0.0, 0.0, true };
+    vertex = { low, 3, 0, 0.0, 0.0, 0.0, true };
+    vertex.At[static_cast<std::size_t>(axis)] += fLow == 0.0 ? 0 : size;
   }
   return this->AddVertex(vertex);
 }
@@ -162,47 +161,41 @@ bool ZeroSet::Worker::GoesOn(int direction, int line) const
   return (line == 0 || atEnd) && this->GoesBeyond[2 * d + (atEnd != lines.IsMirrored() ? 1 : 0)];
 }
 
-void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
+ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
 {
   const auto first = static_cast<Index>(this->Curves.size());
-  if (!this->FaceKeys.Number({ low[0], low[1], low[2], normal }).second)
+  const auto [face, isNew] = this->FaceKeys.Number({ low[0], low[1], low[2], normal });
+  if (!isNew)
   {
-    return;
+    return face;
   }
   this->CurvesOfFace.push_back({ first, 0 });
   // Once around, counter-clockwise seen from the end of the normal axis.
   const int b = (normal + 1) % 3;
   const int c = (normal + 2) % 3;
-  struct Crossing
-  {
-    Index Vertex;
-    bool ToNegative;
-    std::size_t Corner; ///< the number of nodes that the walk met before
-  };
-  std::vector<Crossing> crossings;
-  std::vector<Node> corners;
+  std::vector<Crossing>& crossings = this->Crossings;
+  std::vector<Node>& corners = this->Around;
+  crossings.clear();
+  corners.clear();
+  double before = this->ValueAt(low);
   const auto side = [&](const Node& from, int axis, bool forward)
   {
-    std::vector<std::pair<Node, int>> edges;
-    this->ForMinimalEdges(
-      from, size, axis, [&edges](const Node& at, int length) { edges.emplace_back(at, length); });
-    if (!forward)
-    {
-      std::reverse(edges.begin(), edges.end());
-    }
-    for (const auto& [at, length] : edges)
-    {
-      Node end = at;
-      end[static_cast<std::size_t>(axis)] += length;
-      const bool p0 = this->ValueAt(at) >= 0.0;
-      const bool p1 = this->ValueAt(end) >= 0.0;
-      corners.push_back(forward ? at : end);
-      if (p0 != p1)
+    this->ForMinimalEdges(from, size, axis, forward,
+      [&](const Node& at, int length)
       {
-        crossings.push_back(
-          { this->VertexOn(at, length, axis), forward ? p0 : p1, corners.size() });
-      }
-    }
+        Node begin = at;
+        Node end = at;
+        (forward ? end : begin)[static_cast<std::size_t>(axis)] += length;
+        const double after = this->ValueAt(end);
+        corners.push_back(begin);
+        if ((before >= 0.0) != (after >= 0.0))
+        {
+          crossings.push_back(
+            { this->VertexOn(at, length, axis, forward ? before : after, forward ? after : before),
+              before >= 0.0, corners.size() });
+        }
+        before = after;
+      });
   };
   Node right = low;
   right[static_cast<std::size_t>(b)] += size;
@@ -214,7 +207,7 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
   side(low, c, false);
   if (crossings.empty())
   {
-    return;
+    return face;
   }
   const int line = low[static_cast<std::size_t>(normal)];
   const bool onCrease =
@@ -274,6 +267,7 @@ void ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
     }
   }
   this->CurvesOfFace.back()[1] = static_cast<Index>(this->Curves.size()) - first;
+  return face;
 }
 
 bool ZeroSet::Worker::IsDrawn(const Leaf& leaf, int normal, bool high) const
@@ -309,20 +303,14 @@ void ZeroSet::Worker::TraceFlat(const Node& low, int size, int normal)
   };
   const auto side = [&](const Node& from, std::size_t axis, bool forward)
   {
-    std::vector<Curve> curves;
-    this->ForMinimalEdges(from, size, static_cast<int>(axis),
+    this->ForMinimalEdges(from, size, static_cast<int>(axis), forward,
       [&](const Node& at, int length)
       {
         Node end = at;
         end[axis] += length;
-        curves.push_back({ vertexAt(forward ? at : end), vertexAt(forward ? end : at), 0, 0, normal,
-          true, false, {}, low[static_cast<std::size_t>(normal)], -1 });
+        this->Curves.push_back({ vertexAt(forward ? at : end), vertexAt(forward ? end : at), 0, 0,
+          normal, true, false, {}, low[static_cast<std::size_t>(normal)], -1 });
       });
-    if (!forward)
-    {
-      std::reverse(curves.begin(), curves.end());
-    }
-    this->Curves.insert(this->Curves.end(), curves.begin(), curves.end());
   };
   Node right = low;
   right[b] += size;
@@ -335,20 +323,23 @@ void ZeroSet::Worker::TraceFlat(const Node& low, int size, int normal)
   this->CurvesOfFace.push_back({ first, static_cast<Index>(this->Curves.size()) - first });
 }
 
-bool ZeroSet::Worker::AddNode(const Node& node)
+std::pair<ZeroSet::Worker::Index, bool> ZeroSet::Worker::AddNode(const Node& node)
 {
-  const bool isNew = this->Nodes.Number({ node[0], node[1], node[2], 0 }).second;
-  if (isNew)
+  const auto added = this->Nodes.Number({ node[0], node[1], node[2], 0 });
+  if (added.second)
   {
     this->NodeAt.push_back(node);
+    this->NodeBits |= node[0] | node[1] | node[2];
   }
-  return isNew;
+  return added;
 }
 
 void ZeroSet::Worker::CollectNodes()
 {
   this->Nodes.Clear();
   this->NodeAt.clear();
+  this->NodeBits = 0;
+  this->CornersOf.resize(this->Leaves.size());
   const auto addCorners = [this](const Box& box, int divisions)
   {
     std::array<int, 3> count{ 1, 1, 1 };
@@ -366,9 +357,14 @@ void ZeroSet::Worker::CollectNodes()
   };
   // The corners of leaves, and the places where boxes around them were halved.
   Numbering halved;
-  for (const Leaf& leaf : this->Leaves)
+  for (std::size_t l = 0; l < this->Leaves.size(); ++l)
   {
-    addCorners(leaf.At, 1);
+    const Leaf& leaf = this->Leaves[l];
+    for (int c = 0; c < 8; ++c)
+    {
+      this->CornersOf[l][static_cast<std::size_t>(c)] =
+        static_cast<int>(this->AddNode(this->Corner(leaf.At, c)).first);
+    }
     for (Box box = leaf.At; box.Size < CellLines::RootSize;)
     {
       box.Size *= 2;
@@ -391,7 +387,7 @@ void ZeroSet::Worker::CollectNodes()
 
 bool ZeroSet::Worker::Learn(const Node& node)
 {
-  const bool isNew = this->AddNode(node);
+  const bool isNew = this->AddNode(node).second;
   if (isNew)
   {
     this->FromOutside.push_back(node);
@@ -415,11 +411,72 @@ bool ZeroSet::Worker::FindValues()
     });
 }
 
+void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
+{
+  const auto& [low, size] = this->Leaves[leaf].At;
+  if (this->Axes.size() == 2)
+  {
+    this->TraceFace(low, size, 3 - this->Axes[0] - this->Axes[1]);
+    return;
+  }
+  if (this->Axes.size() == 1)
+  {
+    double before = this->ValueAt(low);
+    this->ForMinimalEdges(low, size, this->Axes[0], true,
+      [&](const Node& at, int length)
+      {
+        Node end = at;
+        end[static_cast<std::size_t>(this->Axes[0])] += length;
+        const double after = this->ValueAt(end);
+        if ((before >= 0.0) != (after >= 0.0))
+        {
+          this->VertexOn(at, length, this->Axes[0], before, after);
+        }
+        before = after;
+      });
+    return;
+  }
+  unsigned positive = 0; // bits of corners
+  for (std::size_t c = 0; c < 8; ++c)
+  {
+    const auto corner = static_cast<std::size_t>(this->CornersOf[leaf][c]);
+    positive |= this->NodeValues[corner] >= 0.0 ? 1u << c : 0u;
+  }
+  const bool mayBeDivided = this->MayBeDivided(size);
+  for (int normal = 0; normal < 3; ++normal)
+  {
+    for (const bool high : { false, true })
+    {
+      static constexpr std::array<unsigned, 3> Lower{ 0x55, 0x33, 0x0F };
+      const unsigned corners = Lower[static_cast<std::size_t>(normal)] << (high ? 1 << normal : 0);
+      if (mayBeDivided || ((positive & corners) != 0 && (positive & corners) != corners))
+      {
+        Node at = low;
+        at[static_cast<std::size_t>(normal)] += high ? size : 0;
+        this->ForMinimalFaces(at, size, normal,
+          [&](const Node& part, int partSize)
+          {
+            const Index face = this->TraceFace(part, partSize, normal);
+            this->FacesOfLeaf.push_back(2 * face + (high ? 1 : 0));
+          });
+      }
+      if (this->Leaves[leaf].Flat != 0 && this->IsDrawn(this->Leaves[leaf], normal, high))
+      {
+        Node at = low;
+        at[static_cast<std::size_t>(normal)] += high ? size : 0;
+        this->TraceFlat(at, size, normal);
+      }
+    }
+  }
+}
+
 bool ZeroSet::Worker::TraceFaces()
 {
   this->VertexKeys.Clear();
   this->FaceKeys.Clear();
   this->CurvesOfFace.clear();
+  this->FacesOfLeaf.clear();
+  this->FirstFace.clear();
   this->Vertices.clear();
   this->Curves.clear();
   this->LargestValue = 0.0;
@@ -428,46 +485,12 @@ bool ZeroSet::Worker::TraceFaces()
     this->LargestValue = std::max(this->LargestValue, std::abs(value));
   }
 
-  for (const Leaf& leaf : this->Leaves)
+  for (std::size_t leaf = 0; leaf < this->Leaves.size(); ++leaf)
   {
-    const auto& [low, size] = leaf.At;
-    if (this->Axes.size() == 3)
-    {
-      for (int normal = 0; normal < 3; ++normal)
-      {
-        for (const int end : { 0, size })
-        {
-          Node corner = low;
-          corner[static_cast<std::size_t>(normal)] += end;
-          this->ForMinimalFaces(corner, size, normal,
-            [this, normal](const Node& at, int s) { this->TraceFace(at, s, normal); });
-          if (this->IsDrawn(leaf, normal, end > 0))
-          {
-            this->TraceFlat(corner, size, normal);
-          }
-        }
-      }
-    }
-    else if (this->Axes.size() == 2)
-    {
-      this->TraceFace(low, size, 3 - this->Axes[0] - this->Axes[1]);
-    }
-    else
-    {
-      this->ForMinimalEdges(low, size, this->Axes[0],
-        [this](const Node& at, int s)
-        {
-          Node end = at;
-          end[static_cast<std::size_t>(this->Axes[0])] += s;
-          const double f0 = this->ValueAt(at);
-          const double f1 = this->ValueAt(end);
-          if ((f0 >= 0.0) != (f1 >= 0.0))
-          {
-            this->VertexOn(at, s, this->Axes[0]);
-          }
-        });
-    }
+    this->FirstFace.push_back(static_cast<Index>(this->FacesOfLeaf.size()));
+    this->TraceLeaf(leaf);
   }
+  this->FirstFace.push_back(static_cast<Index>(this->FacesOfLeaf.size()));
   this->FindEdgeCurves();
   return this->FindVertices();
 }
@@ -852,22 +875,46 @@ void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
   const auto n = static_cast<std::size_t>(end - begin);
   const auto curve = [this, begin](std::size_t k) -> Curve&
   { return this->Curves[static_cast<std::size_t>(begin) + k]; };
+  std::vector<std::size_t> open;
+  const bool hasAttributes = this->HasAttributes();
+  for (std::size_t k = 0; k < n; ++k)
+  {
+    if (this->CurveOf[static_cast<std::size_t>(begin) + k] != begin + static_cast<Index>(k))
+    {
+      continue;
+    }
+    Eigen::Matrix<double, 3, 2> normals;
+    normals << this->Shared.Normals.col(curve(k).From), this->Shared.Normals.col(curve(k).To);
+    const Eigen::Vector3d chord =
+      this->Shared.Points.col(curve(k).To) - this->Shared.Points.col(curve(k).From);
+    const double height = HermiteHeight(-normals.col(0).dot(chord), normals.col(1).dot(chord));
+    const bool isInside = this->Axes.size() == 3 && !curve(k).IsOnCrease;
+    if (isInside && !hasAttributes && IsFlat(InnerChord * height, normals, this->Options.Tolerance))
+    {
+      curve(k).Measured = { height, 0.0 };
+    }
+    else
+    {
+      open.push_back(k);
+    }
+  }
   // The axis along which points of the chord are moved onto the surface: the steepest at the ends,
   // in the face itself where that is one of the domain or a crease.
   std::vector<int> axisOf(n);
   {
-    Eigen::Matrix3Xd ends(3, 2 * static_cast<Index>(n));
-    for (std::size_t k = 0; k < n; ++k)
+    Eigen::Matrix3Xd ends(3, 2 * static_cast<Index>(open.size()));
+    for (std::size_t o = 0; o < open.size(); ++o)
     {
-      ends.col(static_cast<Index>(2 * k)) = this->Shared.Parameters.col(curve(k).From);
-      ends.col(static_cast<Index>(2 * k + 1)) = this->Shared.Parameters.col(curve(k).To);
+      ends.col(static_cast<Index>(2 * o)) = this->Shared.Parameters.col(curve(open[o]).From);
+      ends.col(static_cast<Index>(2 * o + 1)) = this->Shared.Parameters.col(curve(open[o]).To);
     }
-    std::vector<double> values(2 * n);
+    std::vector<double> values(2 * open.size());
     Eigen::Matrix3Xd g(3, ends.cols());
-    this->Field.EvaluateWithGradient(2 * n, ends.data(), values.data(), g.data());
-    for (std::size_t k = 0; k < n; ++k)
+    this->Field.EvaluateWithGradient(2 * open.size(), ends.data(), values.data(), g.data());
+    for (std::size_t o = 0; o < open.size(); ++o)
     {
-      const auto i = static_cast<Index>(2 * k);
+      const std::size_t k = open[o];
+      const auto i = static_cast<Index>(2 * o);
       double best = -1.0;
       for (const int d : this->Axes)
       {
@@ -884,14 +931,6 @@ void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
           axisOf[k] = d;
         }
       }
-    }
-  }
-  std::vector<std::size_t> open;
-  for (std::size_t k = 0; k < n; ++k)
-  {
-    if (this->CurveOf[static_cast<std::size_t>(begin) + k] == begin + static_cast<Index>(k))
-    {
-      open.push_back(k);
     }
   }
   // The chord from end to end, measured where a curve that bends to both sides is seen too.

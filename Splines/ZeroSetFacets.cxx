@@ -91,6 +91,18 @@ struct ZeroSet::Worker::Scratch
   Eigen::Matrix3Xd Parameters;
   std::vector<int> Axes;
   std::vector<char> Projected;
+  struct Step
+  {
+    const Curve* Along;
+    bool Forward;
+    bool Used;
+  };
+  std::vector<Step> Steps;
+  std::vector<Step*> Path;
+  std::vector<double> Errors; ///< of triangles
+  std::vector<Index> Asked;   ///< triangles whose error needs samples
+  std::vector<Error> Measured;
+  Middles Centres;
   std::vector<std::vector<Index>> Loops;
 };
 
@@ -228,41 +240,29 @@ std::optional<ZeroSet::Worker::Shape> ZeroSet::Worker::Probe(
   return shape.Metric.allFinite() ? std::optional<Shape>(shape) : std::nullopt;
 }
 
-bool ZeroSet::Worker::FindLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const
+bool ZeroSet::Worker::FindLoops(std::size_t leaf, Scratch& scratch) const
 {
   bool failed = false;
+  std::vector<std::vector<Index>>& loops = scratch.Loops;
   loops.clear();
-  struct Step
+  std::vector<Scratch::Step>& steps = scratch.Steps;
+  using Step = Scratch::Step;
+  steps.clear();
+  for (Index f = this->FirstFace[leaf]; f < this->FirstFace[leaf + 1]; ++f)
   {
-    const Curve* Along;
-    bool Forward;
-    bool Used;
-  };
-  std::vector<Step> steps;
-  const auto& [low, size] = leaf.At;
-  for (int normal = 0; normal < 3; ++normal)
-  {
-    for (const bool high : { false, true })
+    const Index face = this->FacesOfLeaf[static_cast<std::size_t>(f)];
+    const bool high = face % 2 != 0;
+    const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face / 2)];
+    for (Index c = first; c < first + count; ++c)
     {
-      Node corner = low;
-      corner[static_cast<std::size_t>(normal)] += high ? size : 0;
-      this->ForMinimalFaces(corner, size, normal,
-        [&](const Node& at, int)
-        {
-          const Index face = this->FaceKeys.Find({ at[0], at[1], at[2], normal });
-          const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face)];
-          for (Index c = first; c < first + count; ++c)
-          {
-            const Index kept = this->CurveOf[static_cast<std::size_t>(c)];
-            if (kept >= 0)
-            {
-              const Curve* curve = &this->Curves[static_cast<std::size_t>(kept)];
-              failed = failed || curve->HasFailed;
-              const bool same = curve->From == this->Curves[static_cast<std::size_t>(c)].From;
-              steps.push_back({ curve, high == same, false });
-            }
-          }
-        });
+      const Index kept = this->CurveOf[static_cast<std::size_t>(c)];
+      if (kept >= 0)
+      {
+        const Curve* curve = &this->Curves[static_cast<std::size_t>(kept)];
+        failed = failed || curve->HasFailed;
+        const bool same = curve->From == this->Curves[static_cast<std::size_t>(c)].From;
+        steps.push_back({ curve, high == same, false });
+      }
     }
   }
   // There and back again is nothing.
@@ -280,7 +280,8 @@ bool ZeroSet::Worker::FindLoops(const Leaf& leaf, std::vector<std::vector<Index>
   const auto from = [](const Step& s) { return s.Forward ? s.Along->From : s.Along->To; };
   const auto to = [](const Step& s) { return s.Forward ? s.Along->To : s.Along->From; };
   // From step to step; where a point is met again, what lies between is a loop of its own.
-  std::vector<Step*> path;
+  std::vector<Step*>& path = scratch.Path;
+  path.clear();
   for (Step& start : steps)
   {
     Step* at = start.Used ? nullptr : &start;
@@ -355,7 +356,8 @@ void ZeroSet::Worker::FindFlatLoops(const Leaf& leaf, std::vector<std::vector<In
   }
 }
 
-void ZeroSet::Worker::FillPolygon(const std::vector<Index>& loop, Facets& facets) const
+void ZeroSet::Worker::FillPolygon(
+  const std::vector<Index>& loop, std::vector<FacetTriangulation::Triangle>& triangles) const
 {
   // The triangulation of least area (Klincsek 1980); a fan where that would take long.
   constexpr std::size_t Most = 160;
@@ -364,7 +366,7 @@ void ZeroSet::Worker::FillPolygon(const std::vector<Index>& loop, Facets& facets
   {
     for (std::size_t i = 2; i < n; ++i)
     {
-      facets.Cells.push_back({ loop[0], loop[i - 1], loop[i] });
+      triangles.push_back({ 0, static_cast<int>(i) - 1, static_cast<int>(i) });
     }
     return;
   }
@@ -399,8 +401,7 @@ void ZeroSet::Worker::FillPolygon(const std::vector<Index>& loop, Facets& facets
     if (j - i > 1)
     {
       const Index k = apex(i, j);
-      facets.Cells.push_back({ loop[static_cast<std::size_t>(i)], loop[static_cast<std::size_t>(k)],
-        loop[static_cast<std::size_t>(j)] });
+      triangles.push_back({ static_cast<int>(i), static_cast<int>(k), static_cast<int>(j) });
       open.push_back({ i, k });
       open.push_back({ k, j });
     }
@@ -497,22 +498,28 @@ void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors
   }
 }
 
-double ZeroSet::Worker::MeasureFacets(const FacetTriangulation& triangulation, int boundary,
-  const std::vector<Index>& loop, const std::vector<Index>& innerOf, Facets& facets,
-  std::vector<std::pair<int, double>>& missing) const
+double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Triangle>& triangles,
+  int boundary, const std::vector<Index>& loop, const std::vector<Index>& innerOf, Scratch& scratch,
+  Facets& facets, std::vector<std::pair<int, double>>& missing) const
 {
-  const auto& triangles = triangulation.Triangles();
   const auto count = static_cast<Index>(triangles.size());
   // Barycentric coordinates of the samples: distances are known well from the normals, attributes
   // only where they are evaluated.
   static constexpr std::array<std::array<double, 3>, 4> Places{ { { 1.0 / 3, 1.0 / 3, 1.0 / 3 },
     { 0.5, 0.5, 0.0 }, { 0.0, 0.5, 0.5 }, { 0.5, 0.0, 0.5 } } };
-  const bool hasAttributes = std::any_of(this->Options.AttributeTolerances.begin(),
-    this->Options.AttributeTolerances.end(), [](double t) { return t > 0.0; });
+  const bool hasAttributes = this->HasAttributes();
   const Index places = hasAttributes ? 4 : 1;
-  Middles middles;
-  middles.SetZero(*this, places * count);
-  std::vector<double> errors(static_cast<std::size_t>(count), 0.0);
+  std::vector<double>& errors = scratch.Errors;
+  errors.assign(static_cast<std::size_t>(count), 0.0);
+  std::vector<Index>& asked = scratch.Asked;
+  asked.clear();
+  const auto corner = [&](Index t, int k) -> std::pair<const Samples*, Index>
+  {
+    const int c = triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)];
+    return c >= boundary
+      ? std::make_pair(&facets.Inner, innerOf[static_cast<std::size_t>(c - boundary)])
+      : std::make_pair(&this->Shared, loop[static_cast<std::size_t>(c)]);
+  };
   double distance = 0.0;
   for (Index t = 0; t < count; ++t)
   {
@@ -520,43 +527,57 @@ double ZeroSet::Worker::MeasureFacets(const FacetTriangulation& triangulation, i
     Eigen::Matrix3d n;
     for (int k = 0; k < 3; ++k)
     {
-      const int corner = triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)];
-      const bool inner = corner >= boundary;
-      const Samples& s = inner ? facets.Inner : this->Shared;
-      const Index i = inner ? innerOf[static_cast<std::size_t>(corner - boundary)]
-                            : loop[static_cast<std::size_t>(corner)];
-      X.col(k) = s.Points.col(i);
-      n.col(k) = s.Normals.col(i);
-      for (Index p = 0; p < places; ++p)
-      {
-        const double weight = Places[static_cast<std::size_t>(p)][static_cast<std::size_t>(k)];
-        middles.Add(places * t + p, weight, s, i);
-      }
+      const auto [s, i] = corner(t, k);
+      X.col(k) = s->Points.col(i);
+      n.col(k) = s->Normals.col(i);
     }
-    // A quadratic through the corners with these normals is off by half of sum l_i l_j q_ij.
-    const std::array<double, 3> q{ (n.col(1) - n.col(0)).dot(X.col(1) - X.col(0)),
-      (n.col(2) - n.col(1)).dot(X.col(2) - X.col(1)),
-      (n.col(0) - n.col(2)).dot(X.col(0) - X.col(2)) };
-    double most = std::abs(q[0] + q[1] + q[2]) / 18.0;
-    for (std::size_t k = 0; k < 3; ++k)
+    // The cubic through the corners with these normals, on the edges and in the middle.
+    double most = 0.0;
+    double sum = 0.0;
+    for (int k = 0; k < 3; ++k)
     {
-      const double others = q[(k + 1) % 3] + q[(k + 2) % 3];
-      most =
-        std::max({ most, std::abs(q[k]) / 8.0, std::abs(25.0 * q[k] + 10.0 * others) / 288.0 });
+      const int l = (k + 1) % 3;
+      const Eigen::Vector3d chord = X.col(l) - X.col(k);
+      const double from = -n.col(k).dot(chord);
+      const double to = n.col(l).dot(chord);
+      most = std::max(most, HermiteHeight(from, to));
+      sum += from + to;
     }
+    most = std::max(most, std::abs(sum) / 18.0);
     errors[static_cast<std::size_t>(t)] = most / this->Options.Tolerance;
     distance = std::max(distance, most);
+    if (hasAttributes || !IsFlat(most, n, this->Options.Tolerance))
+    {
+      asked.push_back(t);
+    }
   }
-  std::vector<Error> measured;
-  this->Measure(middles, measured);
   double attribute = 0.0;
-  for (Index i = 0; i < places * count; ++i)
+  if (!asked.empty())
   {
-    const Error& e = measured[static_cast<std::size_t>(i)];
-    double& error = errors[static_cast<std::size_t>(i / places)];
-    error = std::max({ error, e.Distance / this->Options.Tolerance, e.Attribute });
-    distance = std::max(distance, e.Distance);
-    attribute = std::max(attribute, e.Attribute);
+    Middles& middles = scratch.Centres;
+    middles.SetZero(*this, places * static_cast<Index>(asked.size()));
+    for (std::size_t at = 0; at < asked.size(); ++at)
+    {
+      for (int k = 0; k < 3; ++k)
+      {
+        const auto [s, i] = corner(asked[at], k);
+        for (Index p = 0; p < places; ++p)
+        {
+          middles.Add(places * static_cast<Index>(at) + p,
+            Places[static_cast<std::size_t>(p)][static_cast<std::size_t>(k)], *s, i);
+        }
+      }
+    }
+    std::vector<Error>& measured = scratch.Measured;
+    this->Measure(middles, measured);
+    for (std::size_t i = 0; i < measured.size(); ++i)
+    {
+      const Error& e = measured[i];
+      double& error = errors[static_cast<std::size_t>(asked[i / static_cast<std::size_t>(places)])];
+      error = std::max({ error, e.Distance / this->Options.Tolerance, e.Attribute });
+      distance = std::max(distance, e.Distance);
+      attribute = std::max(attribute, e.Attribute);
+    }
   }
   double worst = 0.0;
   for (Index t = 0; t < count; ++t)
@@ -696,6 +717,12 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
   const double rowHeight = Spacing * std::sqrt(0.75);
   scratch.Candidates.clear();
   const Eigen::Vector2d middle = 0.5 * (least + most);
+  // A metric that asks for more is wrong: it was taken where the sheet stands nearly upright.
+  constexpr double MostCandidates = 4000.0;
+  if (!((most[0] - least[0]) * (most[1] - least[1]) <= MostCandidates * rowHeight * Spacing))
+  {
+    return -1.0;
+  }
   const int rows = static_cast<int>(0.5 * (most[1] - least[1]) / rowHeight);
   for (int r = -rows; r <= rows; ++r)
   {
@@ -756,6 +783,7 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
     for (Index i = 0; i < count; ++i)
     {
       if (scratch.Projected[static_cast<std::size_t>(i)] != 0 &&
+        std::abs(scratch.Parameters(w, i) - shape.Centre[w]) <= 2.0 * width[w] &&
         triangulation.Insert(scratch.Candidates[static_cast<std::size_t>(i)]) >= 0)
       {
         innerOf.push_back(at);
@@ -774,7 +802,8 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
   for (int round = 0; round < Rounds; ++round)
   {
     missing.clear();
-    worst = this->MeasureFacets(triangulation, boundary, loop, innerOf, facets, missing);
+    worst = this->MeasureFacets(
+      triangulation.Triangles(), boundary, loop, innerOf, scratch, facets, missing);
     const std::size_t all = triangulation.Triangles().size();
     if (missing.empty() || round + 1 == Rounds)
     {
@@ -821,19 +850,35 @@ void ZeroSet::Worker::FillLoop(
   {
     return;
   }
+  // No simple polygon seen along the height: nearly upright, or vertices joined across a corner.
+  std::vector<FacetTriangulation::Triangle> triangles;
+  this->FillPolygon(loop, triangles);
   if (leaf.Height >= 0)
   {
-    // Drawn, but nobody has measured it.
-    ++facets.Failed;
-    facets.IsWithinTolerance = false;
+    Facets piece;
+    std::vector<std::pair<int, double>> missing;
+    this->MeasureFacets(
+      triangles, static_cast<int>(loop.size()), loop, {}, scratch, piece, missing);
+    facets.Error = std::max(facets.Error, piece.Error);
+    facets.AttributeError = std::max(facets.AttributeError, piece.AttributeError);
+    facets.Failed += missing.empty() ? 0 : 1;
+    facets.IsWithinTolerance = facets.IsWithinTolerance && missing.empty();
   }
-  this->FillPolygon(loop, facets);
+  for (const auto& triangle : triangles)
+  {
+    facets.Cells.push_back({ loop[static_cast<std::size_t>(triangle[0])],
+      loop[static_cast<std::size_t>(triangle[1])], loop[static_cast<std::size_t>(triangle[2])] });
+  }
 }
 
-void ZeroSet::Worker::FillLeaf(const Leaf& leaf, Scratch& scratch, Facets& facets) const
+void ZeroSet::Worker::FillLeaf(std::size_t number, Scratch& scratch, Facets& facets) const
 {
-  facets.IsWithinTolerance = this->FindLoops(leaf, scratch.Loops);
-  this->FindFlatLoops(leaf, scratch.Loops);
+  const Leaf& leaf = this->Leaves[number];
+  facets.IsWithinTolerance = this->FindLoops(number, scratch);
+  if (leaf.Flat != 0)
+  {
+    this->FindFlatLoops(leaf, scratch.Loops);
+  }
   for (std::size_t i = 0; i < scratch.Loops.size() && this->AreLinesTurned; ++i)
   {
     std::reverse(scratch.Loops[i].begin(), scratch.Loops[i].end());
@@ -860,7 +905,7 @@ bool ZeroSet::Worker::Fill()
       for (Index i = begin; i < end; ++i)
       {
         const auto leaf = static_cast<std::size_t>(i);
-        this->FillLeaf(this->Leaves[leaf], scratch, this->Pieces[leaf]);
+        this->FillLeaf(leaf, scratch, this->Pieces[leaf]);
       }
     });
 }

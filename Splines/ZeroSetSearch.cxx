@@ -22,6 +22,10 @@ constexpr double LeastSteepness = 0.2;
 constexpr double MostAcrossFlat = 4.0;
 constexpr double MostInsideFlat = 6.0;
 
+/// A box no wider than so many tolerances never has so many edges in it.
+constexpr double SurelySmall = 100.0;
+constexpr double SurelySmallFlat = 10.0;
+
 /// Boxes of a field without bounds are halved down to this share of the domain's diagonal.
 constexpr int SampledDivisions = 32;
 
@@ -182,6 +186,13 @@ bool ZeroSet::Worker::IsTooLarge(const Box& box, const Height& height) const
   const ParameterBox p = this->Parameters(box);
   const Eigen::Vector3d low(p.Low.data());
   const Eigen::Vector3d width = Eigen::Vector3d(p.High.data()) - low;
+  const bool isSteep = height.Steepness >= LeastSteepness;
+  if (!this->HasAttributes() &&
+    width.cwiseProduct(this->Speed).norm() <=
+      (isSteep ? SurelySmall : SurelySmallFlat) * this->Options.Tolerance)
+  {
+    return false;
+  }
   const std::optional<Shape> shape = this->Probe(low + 0.5 * width, width, height.Axis);
   if (!shape)
   {
@@ -196,7 +207,6 @@ bool ZeroSet::Worker::IsTooLarge(const Box& box, const Height& height) const
   const double b = std::sqrt(shape->Metric(1, 1)) * width[shape->B];
   const double inside =
     std::sqrt(std::max(0.0, shape->Metric.determinant())) * width[shape->A] * width[shape->B];
-  const bool isSteep = height.Steepness >= LeastSteepness;
   return std::max(a, b) > (isSteep ? MostAcross : MostAcrossFlat) ||
     inside > (isSteep ? MostInside : MostInsideFlat);
 }

@@ -10,7 +10,9 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -175,9 +177,20 @@ private:
 
   // Curves: ZeroSetCurves.cxx
   void CollectNodes();
-  bool AddNode(const Node& node);
+  /// \returns its number, and whether it is new
+  std::pair<Index, bool> AddNode(const Node& node);
   /// A node of a neighbor. Whether it is new.
   bool Learn(const Node& node);
+  /// Corner 0..7 of a box, u fastest; directions that are not there have one end.
+  [[nodiscard]] Node Corner(const Box& box, int corner) const
+  {
+    Node node = box.Low;
+    for (const int d : this->Axes)
+    {
+      node[static_cast<std::size_t>(d)] += corner >> d & 1 ? box.Size : 0;
+    }
+    return node;
+  }
   bool FindValues();
   /// Vertices and their curves, which are only chords yet.
   bool TraceFaces();
@@ -191,15 +204,22 @@ private:
     return this
       ->NodeValues[static_cast<std::size_t>(this->Nodes.Find({ node[0], node[1], node[2], 0 }))];
   }
-  using VisitPart = std::function<void(const Node& low, int size)>;
-  void ForMinimalFaces(const Node& low, int size, int normal, const VisitPart& visit) const;
-  void ForMinimalEdges(const Node& low, int size, int axis, const VisitPart& visit) const;
-  void TraceFace(const Node& low, int size, int normal);
+  /// Whether any node lies on a box of that size other than at its corners.
+  [[nodiscard]] bool MayBeDivided(int size) const { return (this->NodeBits & (size - 1)) != 0; }
+  /// Calls visit(low, size) for the parts of a face, or an edge, in which no node lies.
+  template <typename Visitor>
+  void ForMinimalFaces(const Node& low, int size, int normal, Visitor&& visit) const;
+  template <typename Visitor>
+  void ForMinimalEdges(const Node& low, int size, int axis, bool forward, Visitor&& visit) const;
+  void TraceLeaf(std::size_t leaf);
+  /// Of the surface in a face in which no node lies.
+  /// \returns its number, or -1 where nothing of the surface is
+  Index TraceFace(const Node& low, int size, int normal);
   /// Whether a leaf draws the face on which f is 0: where signs at corners do not show it.
   [[nodiscard]] bool IsDrawn(const Leaf& leaf, int normal, bool high) const;
   void TraceFlat(const Node& low, int size, int normal);
   struct Vertex;
-  Index VertexOn(const Node& low, int size, int axis);
+  Index VertexOn(const Node& low, int size, int axis, double fLow, double fHigh);
   Index AddVertex(const Vertex& vertex);
   /// Whether a line is a side beyond which the model goes on.
   [[nodiscard]] bool GoesOn(int direction, int line) const;
@@ -228,10 +248,10 @@ private:
   bool Fill();
   [[nodiscard]] std::optional<Shape> Probe(
     const Eigen::Vector3d& start, const Eigen::Vector3d& width, int axis) const;
-  void FillLeaf(const Leaf& leaf, Scratch& scratch, Facets& facets) const;
+  void FillLeaf(std::size_t number, Scratch& scratch, Facets& facets) const;
   void FindFlatLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
   /// False where a curve around it could not be followed.
-  bool FindLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
+  bool FindLoops(std::size_t leaf, Scratch& scratch) const;
   void FillLoop(
     const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
   bool FillSheet(
@@ -251,13 +271,35 @@ private:
   double FillSheet(const Shape& shape, double turn, double density, Effort effort,
     const Eigen::Vector3d& width, const std::vector<Index>& loop, Scratch& scratch,
     Facets& facets) const;
-  void FillPolygon(const std::vector<Index>& loop, Facets& facets) const;
-  /// \param boundary the first points of the triangulation are those of the loop
+  void FillPolygon(
+    const std::vector<Index>& loop, std::vector<FacetTriangulation::Triangle>& triangles) const;
+  /// Of triangles whose first `boundary` points are those of the loop and the others inner ones.
   /// \param missing triangles that miss a tolerance, and by which factor
   /// \returns the largest error by its tolerance
-  double MeasureFacets(const FacetTriangulation& triangulation, int boundary,
-    const std::vector<Index>& loop, const std::vector<Index>& innerOf, Facets& facets,
-    std::vector<std::pair<int, double>>& missing) const;
+  double MeasureFacets(const std::vector<FacetTriangulation::Triangle>& triangles, int boundary,
+    const std::vector<Index>& loop, const std::vector<Index>& innerOf, Scratch& scratch,
+    Facets& facets, std::vector<std::pair<int, double>>& missing) const;
+  /// How far the cubic on a chord leaves it that rises by these two, times its length, from its
+  /// ends.
+  [[nodiscard]] static double HermiteHeight(double from, double to)
+  {
+    return std::max({ std::abs(0.125 * (from + to)), std::abs(9.0 * from + 3.0 * to) / 64.0,
+      std::abs(3.0 * from + 9.0 * to) / 64.0 });
+  }
+  /// Whether an error that the normals tell is so far below the tolerance that nothing else need be
+  /// asked.
+  template <typename Normals>
+  [[nodiscard]] static bool IsFlat(double error, const Normals& normals, double tolerance)
+  {
+    constexpr double Share = 0.4;
+    constexpr double LeastCosine = 0.9;
+    bool isFlat = error <= Share * tolerance;
+    for (Eigen::Index i = 0; i < normals.cols() && isFlat; ++i)
+    {
+      isFlat = normals.col(i).dot(normals.col((i + 1) % normals.cols())) > LeastCosine;
+    }
+    return isFlat;
+  }
   /// Of linear cells, at points inside them.
   void Measure(const Middles& middles, std::vector<Error>& errors) const;
 
@@ -270,6 +312,12 @@ private:
   [[nodiscard]] unsigned SidesOf(const std::array<Index, 2>& edge) const;
   void MendNormals();
 
+  /// Whether attributes have tolerances to meet.
+  [[nodiscard]] bool HasAttributes() const
+  {
+    return std::any_of(this->Options.AttributeTolerances.begin(),
+      this->Options.AttributeTolerances.end(), [](double t) { return t > 0.0; });
+  }
   [[nodiscard]] double Line(int direction, int line) const
   {
     return this->Lines[static_cast<std::size_t>(direction)].Parameter(line);
@@ -294,13 +342,16 @@ private:
   bool AreLinesTurned = false; ///< against parameters: mirrored in one direction, or in three
   Eigen::Vector3d Scale;     ///< of parameters: 1 is the width of a root cell
   Eigen::Vector3d Low, High; ///< the domain
+  Eigen::Vector3d Speed;     ///< Lengths by those of the domain
   double DomainWidth = 0.0;  ///< the longest of Lengths
 
   std::int64_t Undecided = 0;
   bool WasCapped = false;
   std::vector<Node> FromOutside; ///< nodes of neighbors
   std::vector<Leaf> Leaves;
-  Numbering Nodes; ///< corners of boxes
+  Numbering Nodes;                           ///< corners of boxes
+  int NodeBits = 0;                          ///< all that are set in their coordinates
+  std::vector<std::array<int, 8>> CornersOf; ///< of leaves, as nodes
   std::vector<Node> NodeAt;
   std::vector<double> NodeValues;
   double LargestValue = 0.0;
@@ -318,6 +369,16 @@ private:
   Numbering FaceKeys;           ///< lower node and normal; 3 + normal for a flat one
   std::vector<Curve> Curves;
   std::vector<std::array<Index, 2>> CurvesOfFace; ///< first and count
+  /// Of each leaf, up to the next one's first: 2 face, + 1 where it is an upper one.
+  std::vector<Index> FacesOfLeaf, FirstFace;
+  struct Crossing
+  {
+    Index Vertex;
+    bool ToNegative;
+    std::size_t Corner; ///< the number of nodes that the walk met before
+  };
+  std::vector<Crossing> Crossings; ///< scratch of TraceFace, as is Around
+  std::vector<Node> Around;
   std::vector<Index> CurveOf; ///< the first of the curves with the same ends; -1: no length
   Samples Shared;
   std::vector<Facets> Pieces;                  ///< per leaf
