@@ -12,6 +12,8 @@ import numpy
 from paraview import simple
 
 FILTERS = ('tessellate', 'slice', 'contour', 'boundary', 'extract')
+# Edges that nothing but the boundary of the model may leave open.
+OPEN = ('OpenEdgesInside', 'OpenEdgesOnInterfaces')
 # Meets one end of either model.
 BOX = [0.0, 0.5, 0.0, 1.0, 0.0, 0.5]
 
@@ -46,6 +48,11 @@ def rank():
         data = proxy.GetClientSideObject().GetOutputDataObject(0)
         corners = common.cell_corners(data) if data.GetNumberOfCells() else numpy.zeros((0, 3, 3))
         numpy.save(os.path.join(folder, f'{name}-{ranks}-{number}.npy'), corners)
+        if name in ('slice', 'contour'):
+            # A process without a part of the model counts nothing.
+            counts = [data.GetFieldData().GetArray(kind) for kind in OPEN]
+            numpy.save(os.path.join(folder, f'{name}-open-{ranks}-{number}.npy'),
+                       [count.GetValue(0) if count else 0 for count in counts])
     # The choice of a box is that of whole patches, whichever parts a process has.
     chosen = simple.NURBSExtractPatches(Input=model, ExtractBy='Box')
     chosen.Box = BOX
@@ -92,6 +99,12 @@ def surface(folder, name, ranks):
 
 @unittest.skipUnless(shutil.which('mpirun'), 'mpirun is not here')
 class Parallel(unittest.TestCase):
+    @staticmethod
+    def open_edges(folder, name, ranks):
+        """The numbers of OPEN over all processes."""
+        return sum(numpy.load(os.path.join(folder, f'{name}-open-{ranks}-{number}.npy'))
+                   for number in range(ranks)).tolist()
+
     def assert_same(self, file):
         with tempfile.TemporaryDirectory() as folder:
             for ranks in (1, 3):
@@ -104,10 +117,11 @@ class Parallel(unittest.TestCase):
                 if name in ('slice', 'contour'):
                     # Cut at other places it is triangulated otherwise, to the same tolerance.
                     self.assertLess(common.differ_as_surfaces(one, three), 2e-3, name)
-                    if name == 'slice':
-                        # A crack between parts would be outline. (Isosurfaces end at the pipe's seam.)
-                        edge = common.outline(one)
-                        self.assertLess(abs(common.outline(three) - edge), 2e-3 * edge)
+                    # A crack between parts would be outline.
+                    edge = common.outline(one)
+                    self.assertLess(abs(common.outline(three) - edge), 2e-3 * edge, name)
+                    self.assertEqual(self.open_edges(folder, name, 1), [0, 0])
+                    self.assertEqual(self.open_edges(folder, name, 3), [0, 0])
                     continue
                 self.assertEqual(one.shape, three.shape, name)
                 # The restriction of a spline to a piece changes its values by round-off.

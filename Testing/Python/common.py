@@ -77,10 +77,10 @@ def area(corners):
 
 
 def outline(corners):
-    """The length of all edges that belong to one triangle only, whatever points are shared."""
-    size = abs(corners).max()
-    _, ids = numpy.unique(numpy.round(corners.reshape(-1, 3) / size, 9) + 0.0, axis=0,
-                          return_inverse=True)
+    """The length of all edges that belong to one triangle only, where points are the same if their
+    coordinates have the same bits: a crack is outline."""
+    bits = numpy.ascontiguousarray(corners.reshape(-1, 3) + 0.0).view('V24').ravel()
+    _, ids = numpy.unique(bits, return_inverse=True)
     ids = ids.reshape(-1, 3)
     edges = numpy.concatenate([ids[:, [i, (i + 1) % 3]] for i in range(3)])
     ends = numpy.concatenate([corners[:, [i, (i + 1) % 3]] for i in range(3)])
