@@ -11,8 +11,8 @@
  * stay in it, others keep theirs.
  *
  * Where the input touches the axis the result degenerates, which the filters of this module know.
- * An input that lies in a plane through the axis and crosses it is an error, and so are volumes and
- * an angle of zero.
+ * An input that crosses the axis is an error, which names the place; so are volumes and an angle of
+ * zero.
  *
  * @sa vtkNURBSExtrude, vtkNURBSSweep
  */

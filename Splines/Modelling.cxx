@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Modelling.h"
 
+#include "AxisCrossing.h"
 #include "Error.h"
 #include "Interpolation.h"
 #include "Motions.h"
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -175,98 +175,6 @@ int NewDirection(const Aggregate& section)
   return section.Geometry().Dimension();
 }
 
-/// Parameters where a scalar field of one or two directions is less than -tolerance. None: by the
-/// convex hull property it is nowhere less than -2 tolerance.
-std::optional<Eigen::Vector2d> FindBelow(const Spline& field, double tolerance)
-{
-  std::vector<Spline> pieces{ Clamp(field) };
-  while (!pieces.empty())
-  {
-    const Spline piece = std::move(pieces.back());
-    pieces.pop_back();
-    const Eigen::MatrixXd& values = piece.Coefficients();
-    if (values.minCoeff() >= -2.0 * tolerance)
-    {
-      continue;
-    }
-    const auto [nu, nv, nw] = piece.Sizes();
-    const auto end = [&piece](int d, bool last)
-    { return last ? piece.Knots(d).Last() : piece.Knots(d).First(); };
-    for (const bool lastV : { false, true })
-    {
-      for (const bool lastU : { false, true })
-      {
-        if (values(0, (lastU ? nu - 1 : 0) + nu * (lastV ? nv - 1 : 0)) < -tolerance)
-        {
-          return Eigen::Vector2d(end(0, lastU), end(1, lastV));
-        }
-      }
-    }
-    // Between corners like these the control points come close to the values with the square of
-    // the lengths: that ends it.
-    const auto length = [&](int d)
-    {
-      const KnotVector& whole = field.Knots(d);
-      return piece.Knots(d).Degree() == 0
-        ? 0.0
-        : (end(d, true) - end(d, false)) / (whole.Last() - whole.First());
-    };
-    const int split = length(1) > length(0) ? 1 : 0;
-    const double middle = 0.5 * (end(split, false) + end(split, true));
-    std::array<double, 3> low{ end(0, false), end(1, false), end(2, false) };
-    const std::array<double, 3> high{ end(0, true), end(1, true), end(2, true) };
-    std::array<double, 3> cut = high;
-    cut[static_cast<std::size_t>(split)] = middle;
-    pieces.push_back(RestrictToBox(piece, low, cut));
-    low[static_cast<std::size_t>(split)] = middle;
-    pieces.push_back(RestrictToBox(piece, low, high));
-  }
-  return std::nullopt;
-}
-
-/// A section that is revolved must not be on both sides of the axis.
-void CheckProfile(const Spline& section, const Eigen::Vector3d& point, const Eigen::Vector3d& axis)
-{
-  const Eigen::Vector3d unit = axis.normalized();
-  const Eigen::MatrixXd points = section.Coefficients().colwise() - point;
-  const Eigen::MatrixXd across = points - unit * (unit.transpose() * points);
-  Eigen::Index farthest = 0;
-  const double size = across.colwise().norm().maxCoeff(&farthest);
-  if (!(size > 0.0))
-  {
-    throw Error("the section lies on the axis of revolution: it draws nothing");
-  }
-  const double tolerance = 1e-9 * size;
-  const Eigen::Vector3d outward = across.col(farthest) / size;
-  const bool isPlanar =
-    (across - outward * (outward.transpose() * across)).colwise().norm().maxCoeff() <= tolerance;
-  if (!isPlanar)
-  {
-    return;
-  }
-  const Eigen::MatrixXd distances = outward.transpose() * across;
-  const auto inside = FindBelow(Spline(section.Knots(), distances, section.Weights()), tolerance);
-  const auto outside = FindBelow(Spline(section.Knots(), -distances, section.Weights()), tolerance);
-  if (!inside || !outside)
-  {
-    return;
-  }
-  // Somewhere between the two it is on the axis.
-  Eigen::Vector2d low = *inside;
-  Eigen::Vector2d high = *outside;
-  Eigen::Vector3d from;
-  for (int i = 0; i < 60; ++i)
-  {
-    const Eigen::Vector2d middle = 0.5 * (low + high);
-    from = section.Evaluate(middle[0], middle[1]) - point;
-    (outward.dot(from) < 0.0 ? low : high) = middle;
-  }
-  const Eigen::Vector3d at = point + unit.dot(from) * unit;
-  throw Error("the section crosses the axis of revolution, at (" + std::to_string(at[0]) + ", " +
-    std::to_string(at[1]) + ", " + std::to_string(at[2]) +
-    "): the solid would overlap itself. Move the axis, or cut the section there");
-}
-
 }
 
 Aggregate Sweep(const Aggregate& section, const Spline& motion)
@@ -322,7 +230,12 @@ Aggregate Revolve(
 {
   const Spline motion = Rotation(point, axis, angle);
   const Aggregate closed = CloseUp(section);
-  CheckProfile(closed.Geometry(), point, axis);
+  if (const auto at = FindAxisCrossing(closed.Geometry(), point, axis))
+  {
+    throw Error("the section crosses the axis of revolution, at (" + std::to_string((*at)[0]) +
+      ", " + std::to_string((*at)[1]) + ", " + std::to_string((*at)[2]) +
+      "): the solid would overlap itself. Move the axis, or cut the section there");
+  }
   return Sweep(closed, motion);
 }
 

@@ -31,10 +31,7 @@ namespace hyperpatch
 
 /// The section turned about an axis, in exact circular arcs.
 /// \param angle in degrees
-/// \throws Error as Sweep and Rotation, and if a section that lies in a plane through the axis has
-/// points on both sides of it, by more than 1e-9 of its distance from the axis: the solid would
-/// overlap itself. The convex hull property decides; what passes is nowhere beyond the axis by more
-/// than twice that.
+/// \throws Error as Sweep and Rotation, and if the section crosses the axis (FindAxisCrossing)
 [[nodiscard]] Aggregate Revolve(const Aggregate& section, const Eigen::Vector3d& point,
   const Eigen::Vector3d& axis, double angle);
 

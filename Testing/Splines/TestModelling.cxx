@@ -219,6 +219,41 @@ TEST(Modelling, ASectionThatCrossesTheAxisIsRefused)
   ExpectError([&] { (void)revolve(Aggregate(Curve(points, 1))); }, "lies on the axis");
 }
 
+TEST(Modelling, TheAxisMayNotPassThroughASurface)
+{
+  // A tilted square, z = x / 2, moved; the axis meets it in one point, inside, on its border or not
+  // at all.
+  const auto square = [](double x, double y, double bulge)
+  {
+    Eigen::MatrixXd points(3, 9);
+    for (int j = 0; j < 3; ++j)
+    {
+      for (int i = 0; i < 3; ++i)
+      {
+        points.col(i + 3 * j) << x + i, y + j, 0.5 * (x + i) + (i == 1 && j == 1 ? bulge : 0.0);
+      }
+    }
+    const KnotVector knots = KnotVector::Uniform(2, 3);
+    return Aggregate(Spline({ knots, knots, KnotVector() }, points));
+  };
+  const auto revolve = [](const Aggregate& section)
+  { return Revolve(section, Vector3d::Zero(), Vector3d::UnitZ(), 30.0); };
+  ExpectError([&] { (void)revolve(square(-1.0, -1.0, 0.0)); }, "at (0.000000, 0.000000, 0.000000)");
+  // At the middle a bulge of 1 is 1 / 4 high.
+  ExpectError([&] { (void)revolve(square(-1.0, -1.0, 1.0)); }, "at (0.000000, 0.000000, 0.250000)");
+  ExpectError([&] { (void)revolve(square(-0.001, -1.99, 1.0)); }, "crosses the axis");
+  for (const auto& [x, y] : { std::pair{ 0.0, -1.0 }, { 0.0, 0.0 }, { 0.1, -1.0 }, { -1.0, 0.1 } })
+  {
+    EXPECT_NO_THROW((void)revolve(square(x, y, 0.0)));
+    EXPECT_NO_THROW((void)revolve(square(x, y, 1.0)));
+  }
+  // A sheet that turns about the axis, of which one edge is.
+  Eigen::MatrixXd helicoid(3, 4);
+  helicoid << 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1;
+  const KnotVector knots = KnotVector::Uniform(1, 2);
+  EXPECT_NO_THROW((void)revolve(Aggregate(Spline({ knots, knots, KnotVector() }, helicoid))));
+}
+
 TEST(Modelling, ASectionMayTouchTheAxisAndNotCrossItByLittle)
 {
   // x = (t - 1/2)^2 - depth, of 40 spans: where the axis is crossed is between any fixed places.
