@@ -55,9 +55,13 @@ print('| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |')
 for volume in ('ironProt.vtk', 'headsq.vti'):
     fit(volume, 'interpolate')
     fit(volume, 'target 10 %', Method='Least Squares', FitTo='Target Error', TargetError=0.1)
+    fit(volume, 'RMS 2 %', Method='Least Squares', FitTo='Target Error', TargetError=0.02,
+        ErrorMeasure='Root Mean Square')
     fit(volume, '32^3', Method='Least Squares', ControlPoints=[32] * 3)
 for grid in ('combq.bin', 'bluntfinq.bin'):
     fit(grid, 'interpolate')
     fit(grid, '8^3', Method='Least Squares', ControlPoints=[8] * 3)
     fit(grid, '16^3', Method='Least Squares', ControlPoints=[16] * 3)
     fit(grid, 'target 5 %', Method='Least Squares', FitTo='Target Error', TargetError=0.05)
+    fit(grid, 'RMS 2 %', Method='Least Squares', FitTo='Target Error', TargetError=0.02,
+        ErrorMeasure='Root Mean Square')
