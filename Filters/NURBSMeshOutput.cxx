@@ -261,6 +261,7 @@ void NURBSMeshOutput::Fill(vtkPointSet* output) const
       kind->InsertNextCell(static_cast<vtkIdType>(rows),
         reinterpret_cast<const vtkIdType*>(block->Indices.col(c).data()));
       types->InsertNextValue(rows == 8 ? VTK_HEXAHEDRON
+          : rows == 4                  ? VTK_TETRA
           : rows == 3                  ? VTK_TRIANGLE
           : rows == 2                  ? VTK_LINE
                                        : VTK_VERTEX);

@@ -31,8 +31,8 @@ public:
     const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals,
     const std::vector<Eigen::MatrixXd>& attributes);
 
-  /// Adds cells of one kind, over the points added last: 1 row vertices, 2 segments, 3 triangles, 8
-  /// hexahedra. \param elements 3 x cells, knot spans counted in the whole patch
+  /// Adds cells of one kind, over the points added last: 1 row vertices, 2 segments, 3 triangles, 4
+  /// tetrahedra, 8 hexahedra. \param elements 3 x cells, knot spans counted in the whole patch
   /// \param labels one vector per label, of one value or one per cell
   void AddCells(const hyperpatch::Patch& patch, const Cells& cells,
     const Eigen::Matrix3Xi& elements, const std::vector<std::vector<int>>& labels);

@@ -11,8 +11,10 @@
  * index of the offset value.
  *
  * Planes, spheres, cylinders and quadrics (also transformed by an affine transform) are exact
- * polynomials, with certified exclusion; any other function, such as vtkBox, is sampled in every
- * cell, and all cells count as undecided.
+ * polynomials, with certified exclusion. A vtkBox is six planes, each trimmed where it leaves the
+ * box: along the edges of the box two of them share their points. Any other function, and a box at
+ * a positive offset, which is round at its edges, is sampled in every cell, and all cells count as
+ * undecided.
  *
  * @code{.cpp}
  * vtkNew<vtkBSplineReader> reader;
@@ -30,16 +32,16 @@
 #define vtkNURBSSlice_h
 
 #include "vtkNURBSFiltersModule.h" // for the export macro
-#include "vtkNURBSZeroSetAlgorithm.h"
+#include "vtkNURBSLevelSetAlgorithm.h"
 #include "vtkSmartPointer.h" // for the function
 
 class vtkImplicitFunction;
 
-class VTKNURBSFILTERS_EXPORT vtkNURBSSlice : public vtkNURBSZeroSetAlgorithm
+class VTKNURBSFILTERS_EXPORT vtkNURBSSlice : public vtkNURBSLevelSetAlgorithm
 {
 public:
   static vtkNURBSSlice* New();
-  vtkTypeMacro(vtkNURBSSlice, vtkNURBSZeroSetAlgorithm)
+  vtkTypeMacro(vtkNURBSSlice, vtkNURBSLevelSetAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /// Also that of the function.
@@ -58,10 +60,10 @@ public:
    * Values of the function to draw; for a plane with a unit normal, distances from it. At first
    * one, 0.
    */
-  void SetNumberOfOffsetValues(int number);
-  int GetNumberOfOffsetValues() { return static_cast<int>(this->OffsetValues.size()); }
-  void SetOffsetValue(int i, double value);
-  double GetOffsetValue(int i);
+  void SetNumberOfOffsetValues(int number) { this->SetNumberOfLevels(number); }
+  int GetNumberOfOffsetValues() { return this->GetNumberOfLevels(); }
+  void SetOffsetValue(int i, double value) { this->SetLevel(i, value); }
+  double GetOffsetValue(int i) { return this->GetLevel(i); }
   ///@}
 
 protected:
@@ -69,13 +71,14 @@ protected:
   ~vtkNURBSSlice() override;
 
   void Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output) override;
+  void Change(
+    const std::vector<Task>& tasks, std::vector<hyperpatch::ZeroSetMesh>& surfaces) override;
 
 private:
   vtkNURBSSlice(const vtkNURBSSlice&) = delete;
   void operator=(const vtkNURBSSlice&) = delete;
 
   vtkSmartPointer<vtkImplicitFunction> SliceFunction;
-  std::vector<double> OffsetValues{ 0.0 };
 };
 
 #endif

@@ -73,11 +73,16 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
     this->KernelParallelFor());
   group.Extract([this](double begin, double end) { this->SetProgressRange(begin, end); });
 
-  const hyperpatch::ZeroSetCertificate certificate = group.Certificate();
+  std::vector<hyperpatch::ZeroSetMesh> surfaces;
+  for (std::size_t i = 0; i < tasks.size(); ++i)
+  {
+    surfaces.push_back(group.Mesh(i));
+  }
+  this->Change(tasks, surfaces);
   const std::size_t before = output.NumberOfBlocks();
   for (std::size_t i = 0; i < tasks.size(); ++i)
   {
-    const hyperpatch::ZeroSetMesh& mesh = group.Mesh(i);
+    const hyperpatch::ZeroSetMesh& mesh = surfaces[i];
     output.AddPoints(
       *tasks[i].On.Patch, mesh.Parameters, mesh.Points, mesh.Normals, mesh.Attributes);
     const Eigen::Vector3i firstSpan(tasks[i].On.Patch->FirstSpan.data());
@@ -89,6 +94,7 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
     output.MergePoints(before);
   }
 
+  const hyperpatch::ZeroSetCertificate certificate = group.Certificate();
   FieldNumbers::AddCount(fieldData, "CertifiedCells", certificate.CertifiedCells);
   FieldNumbers::AddCount(fieldData, "UndecidedCells", certificate.UndecidedCells);
   FieldNumbers::AddNumber(fieldData, "LargestResidual", certificate.LargestResidual);
@@ -112,6 +118,11 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
       << " was asked for (attributes: " << certificate.LargestAttributeError
       << " times their tolerance)");
   }
+}
+
+void vtkNURBSZeroSetAlgorithm::Change(
+  const std::vector<Task>& /*tasks*/, std::vector<hyperpatch::ZeroSetMesh>& /*surfaces*/)
+{
 }
 
 VTK_ABI_NAMESPACE_END

@@ -46,6 +46,7 @@ namespace hyperpatch
 struct Interface;
 class PreparedAggregate;
 class ScalarField;
+struct ZeroSetMesh;
 }
 
 class VTKNURBSFILTERS_EXPORT vtkNURBSZeroSetAlgorithm : public vtkNURBSMeshAlgorithm
@@ -102,6 +103,13 @@ protected:
    */
   void Draw(const std::vector<Task>& tasks, const AbsoluteTolerances& tolerances,
     NURBSMeshOutput& output, vtkFieldData* fieldData);
+
+  /**
+   * Called with the surfaces of all tasks, in their order, before they become output; leaves them
+   * as they are.
+   */
+  virtual void Change(
+    const std::vector<Task>& tasks, std::vector<hyperpatch::ZeroSetMesh>& surfaces);
 
   void ModelChanged() override;
 

@@ -72,6 +72,11 @@ show(s.NURBSContour(Input=pipe, ContourBy=['POINTS', 'Temperature'],
 glass(pipe)
 save('NURBSContour')
 
+clip = s.NURBSClip(Input=pipe, ClipType='Scalar', Scalars=['POINTS', 'Temperature'], Value=120)
+show(clip, Representation='Surface With Edges', EdgeColor=[0.2, 0.2, 0.3])
+glass(pipe)
+save('NURBSClip')
+
 show(s.NURBSJacobianBoundary(Input=pipe, Faces=0))
 show(s.NURBSJacobianBoundary(Input=pipe, Sheet=0), Opacity=0.15)
 save('NURBSJacobianBoundary')

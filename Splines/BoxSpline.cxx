@@ -50,6 +50,7 @@ void BoxSpline::FindWindow(const Spline& spline, const ParameterBox& box)
 
 void BoxSpline::InsertEnds(const Spline& spline, const ParameterBox& box)
 {
+  this->Widen(0.0, {});
   this->P = spline.Degrees();
   this->N = this->WindowSize;
   double largest = 0.0;
@@ -146,6 +147,7 @@ void BoxSpline::InsertEnds(const KnotVector& knots, int direction, double low, d
 
 void BoxSpline::Assign(const Bernstein& polynomial)
 {
+  this->Widen(0.0, {});
   this->P = polynomial.Degrees();
   for (std::size_t d = 0; d < 3; ++d)
   {
@@ -156,6 +158,12 @@ void BoxSpline::Assign(const Bernstein& polynomial)
   const Eigen::VectorXd& c = polynomial.Coefficients();
   this->C.assign(c.data(), c.data() + c.size());
   this->Noise = polynomial.RoundingBound();
+}
+
+void BoxSpline::Widen(double values, const std::array<double, 3>& derivatives)
+{
+  this->Slack = values;
+  this->DerivativeSlack = derivatives;
 }
 
 BoxSpline::Layers BoxSpline::LayersOf(const std::array<Part, 3>& part) const
@@ -192,19 +200,20 @@ Range BoxSpline::Hull(const Layers& layers) const
 Range BoxSpline::Values(const std::array<Part, 3>& part) const
 {
   const Range hull = this->Hull(this->LayersOf(part));
-  return { hull.Low - this->Noise, hull.High + this->Noise };
+  const double width = this->Noise + this->Slack;
+  return { hull.Low - width, hull.High + width };
 }
 
 bool BoxSpline::Vanishes(const std::array<Part, 3>& part) const
 {
   const Range hull = this->Hull(this->LayersOf(part));
-  return hull.Low >= -this->Noise && hull.High <= this->Noise;
+  return this->Slack == 0.0 && hull.Low >= -this->Noise && hull.High <= this->Noise;
 }
 
 bool BoxSpline::IsLostInNoise() const
 {
   const Range hull = this->Hull(this->LayersOf({ Part::Whole, Part::Whole, Part::Whole }));
-  return !hull.Contains(0.0) && this->Noise >= 0.5 * (hull.High - hull.Low);
+  return this->Slack == 0.0 && !hull.Contains(0.0) && this->Noise >= 0.5 * (hull.High - hull.Low);
 }
 
 Range BoxSpline::Derivative(int direction, const std::array<Part, 3>& part) const
@@ -215,6 +224,10 @@ Range BoxSpline::Derivative(int direction, const std::array<Part, 3>& part) cons
   const std::ptrdiff_t stride = d == 0 ? 1
     : d == 1                           ? this->N[0]
                                        : static_cast<std::ptrdiff_t>(this->N[0]) * this->N[1];
+  if (p == 0)
+  {
+    return { -this->DerivativeSlack[d], this->DerivativeSlack[d] };
+  }
   double low = INFINITY;
   double high = -INFINITY;
   double steepest = 0.0;
@@ -245,7 +258,7 @@ Range BoxSpline::Derivative(int direction, const std::array<Part, 3>& part) cons
     low = std::min(low, factor * least);
     high = std::max(high, factor * most);
   }
-  const double noise = 2.0 * this->Noise * steepest;
+  const double noise = 2.0 * this->Noise * steepest + this->DerivativeSlack[d];
   return { low - noise, high + noise };
 }
 

@@ -71,6 +71,10 @@ public:
   /// Adds a bound of the error that each coefficient had before.
   void AddNoise(double bound) { this->Noise += bound; }
 
+  /// Makes this an enclosure of every function that differs from the spline by no more than this,
+  /// and its derivatives with respect to the unit cube by no more than that.
+  void Widen(double values, const std::array<double, 3>& derivatives);
+
   /// A polynomial on the unit cube.
   void Assign(const Bernstein& polynomial);
 
@@ -101,6 +105,8 @@ private:
   std::array<std::vector<double>, 3> K; ///< of the unit cube, clamped
   std::vector<double> C;                ///< u fastest
   double Noise = 0.0;
+  double Slack = 0.0; ///< of values, besides noise
+  std::array<double, 3> DerivativeSlack{};
 
   std::array<int, 3> WindowFirst{}, WindowSize{};
   std::vector<double> Next;

@@ -24,23 +24,23 @@ using field::UnitRoundoff;
 namespace
 {
 
-/// The determinant, or 0 where it is no more than its rounding error.
-double DeterminantOrZero(
-  const Eigen::Matrix3d& J, const JacobianRounding& rounding, const double* parameters)
+/// The determinant less a value, or 0 where that is no more than its rounding error.
+double DifferenceOrZero(const Eigen::Matrix3d& J, double value, const JacobianRounding& rounding,
+  const double* parameters)
 {
-  const double value = J.determinant();
+  const double difference = J.determinant() - value;
+  const double certain = std::abs(difference) - UnitRoundoff * std::abs(value);
   // The bound for the whole patch decides nearly always.
-  return std::abs(value) > rounding.LargestBound(J) ||
-      std::abs(value) > rounding.Bound(J, parameters)
-    ? value
-    : 0.0;
+  return certain > rounding.LargestBound(J) || certain > rounding.Bound(J, parameters) ? difference
+                                                                                       : 0.0;
 }
 
 }
 
-JacobianField::JacobianField(std::shared_ptr<const PreparedSpline> geometry)
+JacobianField::JacobianField(std::shared_ptr<const PreparedSpline> geometry, double value)
   : S(std::move(geometry))
   , Rounding(this->S->Spline())
+  , Value(value)
 {
   if (this->S->Spline().Components() != 3 || this->S->Spline().Dimension() != 3)
   {
@@ -48,8 +48,8 @@ JacobianField::JacobianField(std::shared_ptr<const PreparedSpline> geometry)
   }
 }
 
-JacobianField::JacobianField(const Spline& geometry)
-  : JacobianField(std::make_shared<const PreparedSpline>(geometry))
+JacobianField::JacobianField(const Spline& geometry, double value)
+  : JacobianField(std::make_shared<const PreparedSpline>(geometry), value)
 {
 }
 
@@ -65,7 +65,7 @@ void JacobianField::Evaluate(std::size_t count, const double* parameters, double
     for (std::size_t i = 0; i < n; ++i)
     {
       values[first + i] =
-        DeterminantOrZero(Eigen::Map<const Eigen::Matrix3d>(derivatives.data() + 9 * i),
+        DifferenceOrZero(Eigen::Map<const Eigen::Matrix3d>(derivatives.data() + 9 * i), this->Value,
           this->Rounding, parameters + 3 * (first + i));
     }
   }
@@ -88,7 +88,8 @@ void JacobianField::EvaluateWithGradient(
     {
       const Eigen::Map<const Eigen::Matrix3d> J(derivatives.data() + 9 * i);
       const Eigen::Map<const Eigen::Matrix<double, 3, 6>> H(seconds.data() + 18 * i);
-      values[first + i] = DeterminantOrZero(J, this->Rounding, parameters + 3 * (first + i));
+      values[first + i] =
+        DifferenceOrZero(J, this->Value, this->Rounding, parameters + 3 * (first + i));
       for (int d = 0; d < 3; ++d)
       {
         double sum = 0.0;
@@ -116,14 +117,35 @@ std::array<std::vector<double>, 3> JacobianField::Creases() const
 
 bool JacobianField::Excludes(const ParameterBox& box) const
 {
-  return JacobianSign(this->S->Spline(), box) != 0;
+  const int sign = JacobianSign(this->S->Spline(), box);
+  return sign != 0 && sign * this->Value <= 0.0;
 }
 
 std::optional<Bernstein> JacobianField::OnBox(const ParameterBox& box) const
 {
   const BezierBox bezier = OnBezierBox(this->S->Spline(), box);
-  return JacobianDeterminant(
-    bezier.Points, this->S->Spline().Degrees(), this->S->Spline().IsRational(), bezier.Error);
+  const auto degrees = this->S->Spline().Degrees();
+  const bool rational = this->S->Spline().IsRational();
+  Bernstein determinant = JacobianDeterminant(bezier.Points, degrees, rational, bezier.Error);
+  if (this->Value == 0.0)
+  {
+    return determinant;
+  }
+  // The determinant is that of the map from the unit cube.
+  double scaled = this->Value;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    scaled *= box.High[d] - box.Low[d];
+  }
+  const Bernstein value(
+    { 0, 0, 0 }, Eigen::VectorXd::Constant(1, scaled), 8.0 * UnitRoundoff * std::abs(scaled));
+  if (!rational)
+  {
+    return determinant - value;
+  }
+  const Bernstein weight(degrees, bezier.Points.row(3).transpose(), bezier.Error);
+  const Bernstein square = weight * weight;
+  return determinant - value * (square * square);
 }
 
 bool JacobianField::Restrict(const ParameterBox& box, BoxSpline& f) const

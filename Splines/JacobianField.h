@@ -16,13 +16,13 @@
 namespace hyperpatch
 {
 
-/// f = det J of a volume (times W^4 in its Bernstein form where rational).
+/// f = det J - value of a volume (times W^4 in its Bernstein form where rational).
 class JacobianField : public ScalarField
 {
 public:
   /// \throws Error if the geometry is not a volume of three coordinates
-  explicit JacobianField(std::shared_ptr<const PreparedSpline> geometry);
-  explicit JacobianField(const Spline& geometry);
+  explicit JacobianField(std::shared_ptr<const PreparedSpline> geometry, double value = 0.0);
+  explicit JacobianField(const Spline& geometry, double value = 0.0);
 
   void Evaluate(std::size_t count, const double* parameters, double* values) const override;
   void EvaluateWithGradient(
@@ -36,6 +36,7 @@ public:
 private:
   std::shared_ptr<const PreparedSpline> S;
   JacobianRounding Rounding;
+  double Value;
   ElementPolynomials Polynomials;
 };
 

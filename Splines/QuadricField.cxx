@@ -32,6 +32,75 @@ double ValueOrZero(const Quadric& q, const double* x, double operations)
   return std::abs(value) <= UnitRoundoff * operations * q.Terms(x) ? 0.0 : value;
 }
 
+bool IsInOneElement(const Spline& spline, const ParameterBox& box)
+{
+  const std::array<int, 3> spans = SpansAround(spline, box);
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const KnotVector& knots = spline.Knots()[d];
+    if (box.Low[d] < knots[spans[d]] || box.High[d] > knots[spans[d] + 1])
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Bounds of the magnitudes of the derivatives in a direction, with respect to the unit cube, of
+/// each component of w (x - centre) on the box, and of w in the end: those of the control points
+/// of the derivative.
+Eigen::VectorXd LargestDerivatives(
+  const Spline& spline, const ParameterBox& box, int direction, const Eigen::VectorXd& centre)
+{
+  const auto d = static_cast<std::size_t>(direction);
+  const int m = spline.Components();
+  const auto n = spline.Sizes();
+  const std::ptrdiff_t stride = d == 0 ? 1
+    : d == 1                           ? n[0]
+                                       : static_cast<std::ptrdiff_t>(n[0]) * n[1];
+  const KnotVector& knots = spline.Knots(direction);
+  const int p = knots.Degree();
+  const SpanBlock block = SpansOf(spline, box);
+  std::array<int, 3> first{};
+  std::array<int, 3> last{};
+  for (std::size_t e = 0; e < 3; ++e)
+  {
+    const KnotVector& k = spline.Knots()[e];
+    first[e] = k.Spans()[static_cast<std::size_t>(block.First[e])] - k.Degree();
+    last[e] = k.Spans()[static_cast<std::size_t>(block.Last[e])];
+  }
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(m + 1);
+  const auto& x = spline.Coefficients();
+  const double width = box.High[d] - box.Low[d];
+  for (int k = first[2]; k <= last[2] - (d == 2 ? 1 : 0); ++k)
+  {
+    for (int j = first[1]; j <= last[1] - (d == 1 ? 1 : 0); ++j)
+    {
+      for (int i = first[0]; i <= last[0] - (d == 0 ? 1 : 0); ++i)
+      {
+        const int at = d == 0 ? i : d == 1 ? j : k;
+        const double reach = knots[at + p + 1] - knots[at + 1];
+        if (reach <= 0.0)
+        {
+          continue;
+        }
+        const Eigen::Index here = i + n[0] * (j + static_cast<Eigen::Index>(n[1]) * k);
+        const Eigen::Index next = here + stride;
+        const double a = spline.IsRational() ? spline.Weights()[here] : 1.0;
+        const double b = spline.IsRational() ? spline.Weights()[next] : 1.0;
+        const double factor = p * width / reach;
+        for (int c = 0; c < m; ++c)
+        {
+          largest[c] = std::max(largest[c],
+            factor * std::abs(b * (x(c, next) - centre[c]) - a * (x(c, here) - centre[c])));
+        }
+        largest[m] = std::max(largest[m], factor * std::abs(b - a));
+      }
+    }
+  }
+  return largest;
+}
+
 }
 
 double Quadric::Value(const double* x) const
@@ -82,6 +151,38 @@ void Quadric::Gradient(const double* x, double* gradient) const
       gradient[i] += 2.0 * this->A(i, j) * y;
     }
   }
+}
+
+std::optional<Quadric> QuadricFromValues(const std::function<double(const Eigen::Vector3d&)>& value,
+  bool isLinear, const Eigen::Vector3d& centre, double size)
+{
+  const auto at = [&](const Eigen::Vector3d& offset) { return value(centre + size * offset); };
+  // q(centre + size y) = y' A y + b . y + c
+  const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b;
+  const double c = at(Eigen::Vector3d::Zero());
+  for (int i = 0; i < 3; ++i)
+  {
+    const double plus = at(unit.col(i));
+    const double minus = at(-unit.col(i));
+    b[i] = 0.5 * (plus - minus);
+    A(i, i) = 0.5 * (plus + minus) - c;
+  }
+  for (int i = 0; i < 3; ++i)
+  {
+    for (int j = 0; j < i; ++j)
+    {
+      const double both = at(unit.col(i) + unit.col(j));
+      A(i, j) = A(j, i) = 0.5 * (both - c - b[i] - b[j] - A(i, i) - A(j, j));
+    }
+  }
+  if (!A.allFinite() || !b.allFinite() || !std::isfinite(c))
+  {
+    return std::nullopt;
+  }
+  return Quadric{ isLinear ? Eigen::MatrixXd() : Eigen::MatrixXd(A / (size * size)), b / size, c,
+    centre };
 }
 
 Quadric ComponentEquals(const Spline& attribute, int component, double value)
@@ -254,13 +355,13 @@ std::optional<Bernstein> QuadricField::OnBox(const ParameterBox& box) const
 
 bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
 {
-  if (!this->Q.IsLinear())
-  {
-    return ScalarField::Restrict(box, f);
-  }
   // Larger ones take longer than what they save.
   constexpr double LargestWindow = 2000.0;
   const Spline& spline = this->S->Spline();
+  if (!this->Q.IsLinear() && IsInOneElement(spline, box))
+  {
+    return ScalarField::Restrict(box, f);
+  }
   if (BoxSpline::WindowVolume(spline, box) > LargestWindow)
   {
     return false;
@@ -270,16 +371,49 @@ bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
   double largestWeight = 1.0;
   const bool rational = spline.IsRational();
   const double* points = spline.Coefficients().data();
-  const auto coefficient = [&](Eigen::Index i)
+  const auto restrictTimesWeight = [&](const auto& value)
   {
-    const double* x = points + m * i;
-    const double weight = rational ? spline.Weights()[i] : 1.0;
-    terms = std::max(terms, this->Q.Terms(x));
-    largestWeight = std::max(largestWeight, weight);
-    return weight * this->Q.Value(x);
+    f.Restrict(spline, box,
+      [&](Eigen::Index i)
+      {
+        const double* x = points + m * i;
+        const double weight = rational ? spline.Weights()[i] : 1.0;
+        terms = std::max(terms, this->Q.Terms(x));
+        largestWeight = std::max(largestWeight, weight);
+        return weight * value(x);
+      });
+    f.AddNoise(UnitRoundoff * (Operations(spline) + 4 * (m + 2)) * terms * largestWeight);
   };
-  f.Restrict(spline, box, coefficient);
-  f.AddNoise(UnitRoundoff * (Operations(spline) + 4 * (m + 2)) * terms * largestWeight);
+  if (this->Q.IsLinear())
+  {
+    restrictTimesWeight([this](const double* x) { return this->Q.Value(x); });
+    return true;
+  }
+
+  // q is the linear function that touches it in the middle of the box's bounds, and a rest.
+  Eigen::VectorXd low(m);
+  Eigen::VectorXd high(m);
+  this->S->Bounds().Find(box, low.data(), high.data());
+  const Eigen::VectorXd centre = 0.5 * (low + high);
+  const Eigen::VectorXd half = 0.5 * (high - low);
+  Eigen::VectorXd slope(m);
+  this->Q.Gradient(centre.data(), slope.data());
+  const double constant = this->Q.Value(centre.data());
+  restrictTimesWeight([&slope, &centre, constant, m](const double* x)
+    { return constant + slope.dot(Eigen::Map<const Eigen::VectorXd>(x, m) - centre); });
+  // With y = x - centre the rest is y' A y, its derivative 2 y' A y_u. Where rational, both times
+  // W: W y_u = Y_u - W_u y for the homogeneous Y.
+  const Eigen::MatrixXd A = this->Q.A.cwiseAbs();
+  const Eigen::VectorXd reach = A * half;
+  const double rest = half.dot(reach);
+  std::array<double, 3> slack{};
+  for (int d = 0; d < 3; ++d)
+  {
+    const Eigen::VectorXd steps = LargestDerivatives(spline, box, d, centre);
+    const double W = rational ? steps[m] : 0.0;
+    slack[static_cast<std::size_t>(d)] = 2.0 * reach.dot(steps.head(m) + W * half) + W * rest;
+  }
+  f.Widen(largestWeight * rest, slack);
   return true;
 }
 
@@ -326,18 +460,13 @@ bool QuadricField::Excludes(const ParameterBox& box) const
   }
   // On one element the hull of a linear function is tighter than that of the bounding box.
   const Spline& spline = this->S->Spline();
-  const std::array<int, 3> spans = SpansAround(spline, box);
-  for (std::size_t d = 0; d < 3; ++d)
+  if (!this->Q.IsLinear() || !IsInOneElement(spline, box))
   {
-    const KnotVector& knots = spline.Knots()[d];
-    if (!this->Q.IsLinear() || box.Low[d] < knots[spans[d]] || box.High[d] > knots[spans[d] + 1])
-    {
-      return false;
-    }
+    return false;
   }
   double least = INFINITY;
   double most = -INFINITY;
-  ForControlWindow(spline, spans,
+  ForControlWindow(spline, SpansAround(spline, box),
     [this, &spline, &least, &most](Eigen::Index i)
     {
       const double f = this->Q.Value(spline.Coefficients().col(i).data());

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -32,6 +33,15 @@ struct Quadric
   /// \param gradient m numbers
   void Gradient(const double* x, double* gradient) const;
 };
+
+/// The quadric that a function on space is, read off its values around a point. Of a function that
+/// is none the result means nothing.
+/// \param isLinear whether it is known to be linear: a plane
+/// \param size the distance at which it is looked at
+/// \returns nothing if a value is not finite
+[[nodiscard]] std::optional<Quadric> QuadricFromValues(
+  const std::function<double(const Eigen::Vector3d&)>& value, bool isLinear,
+  const Eigen::Vector3d& centre, double size);
 
 /// f = q(S) for a spline S, the geometry or an attribute (times W or W^2 where rational): slices by
 /// planes, spheres, cylinders and other quadrics; isosurfaces of components and magnitudes.

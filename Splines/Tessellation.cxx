@@ -1323,6 +1323,43 @@ std::array<std::vector<int>, 3> SolidSegments(
   return segments;
 }
 
+std::vector<Spline> SplinesOf(const Aggregate& body)
+{
+  std::vector<Spline> splines{ body.Geometry() };
+  for (const Attribute& attribute : body.Attributes())
+  {
+    splines.push_back(attribute.Field);
+  }
+  return splines;
+}
+
+SolidGrid MakeGrid(const Domain& domain, const TessellationOptions& options)
+{
+  SolidGrid grid;
+  const auto segments = SolidSegments(domain, options, grid.LimitReached);
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const Axis& axis = domain.Axes[d];
+    grid.Lines[d].push_back(axis.Breaks.front());
+    for (int c = 0; c < axis.Cells(); ++c)
+    {
+      const int n = segments[d][static_cast<std::size_t>(c)];
+      for (int k = 1; k <= n; ++k)
+      {
+        grid.Lines[d].push_back(axis.At(c, static_cast<double>(k) / n));
+        grid.Spans[d].push_back(axis.Spans[0][static_cast<std::size_t>(c)]);
+      }
+    }
+  }
+  return grid;
+}
+
+}
+
+SolidGrid MakeSolidGrid(const Patch& patch, const TessellationOptions& options)
+{
+  Check(patch, 1, options);
+  return MakeGrid(Domain(SplinesOf(patch.Body), options), options);
 }
 
 SolidMesh TessellateSolid(const Patch& patch, int handedness, const TessellationOptions& options)
@@ -1335,34 +1372,14 @@ SolidMesh TessellateSolid(const Patch& patch, int handedness, const Tessellation
       std::to_string(body.Geometry().Dimension()) +
       " parametric dimensions: tessellate its surface instead");
   }
-  std::vector<Spline> splines{ body.Geometry() };
-  for (const Attribute& attribute : body.Attributes())
-  {
-    splines.push_back(attribute.Field);
-  }
-  const Domain domain(std::move(splines), options);
+  const Domain domain(SplinesOf(body), options);
   SolidMesh mesh;
-  const auto segments = SolidSegments(domain, options, mesh.LimitReached);
-
-  std::array<std::vector<double>, 3> grid;
-  std::array<std::vector<int>, 3> cellOf;
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    const Axis& axis = domain.Axes[d];
-    grid[d].push_back(axis.Breaks.front());
-    for (int c = 0; c < axis.Cells(); ++c)
-    {
-      const int n = segments[d][static_cast<std::size_t>(c)];
-      for (int k = 1; k <= n; ++k)
-      {
-        grid[d].push_back(axis.At(c, static_cast<double>(k) / n));
-        cellOf[d].push_back(c);
-      }
-    }
-  }
-  const auto nu = static_cast<Id>(grid[0].size());
-  const auto nv = static_cast<Id>(grid[1].size());
-  const auto nw = static_cast<Id>(grid[2].size());
+  const SolidGrid grid = MakeGrid(domain, options);
+  mesh.LimitReached = grid.LimitReached;
+  const auto& lines = grid.Lines;
+  const auto nu = static_cast<Id>(lines[0].size());
+  const auto nv = static_cast<Id>(lines[1].size());
+  const auto nw = static_cast<Id>(lines[2].size());
   mesh.Parameters.resize(3, nu * nv * nw);
   mesh.Points.setZero(3, nu * nv * nw);
   for (std::size_t s = 1; s < domain.Splines.size(); ++s)
@@ -1382,16 +1399,16 @@ SolidMesh TessellateSolid(const Patch& patch, int handedness, const Tessellation
       Id id = first;
       for (std::ptrdiff_t k = begin; k < end; ++k)
       {
-        for (double v : grid[1])
+        for (double v : lines[1])
         {
-          for (double u : grid[0])
+          for (double u : lines[0])
           {
-            mesh.Parameters.col(id++) << u, v, grid[2][static_cast<std::size_t>(k)];
+            mesh.Parameters.col(id++) << u, v, lines[2][static_cast<std::size_t>(k)];
           }
         }
       }
-      const std::array<std::vector<double>, 3> layers{ grid[0], grid[1],
-        { grid[2].begin() + begin, grid[2].begin() + end } };
+      const std::array<std::vector<double>, 3> layers{ lines[0], lines[1],
+        { lines[2].begin() + begin, lines[2].begin() + end } };
       Eigen::MatrixXd values(geometry.Components(), id - first);
       geometry.EvaluateGrid(layers, values.data());
       mesh.Points.block(0, first, values.rows(), values.cols()) = values;
@@ -1420,10 +1437,10 @@ SolidMesh TessellateSolid(const Patch& patch, int handedness, const Tessellation
             const Id p = i + nu * (j + nv * k);
             mesh.Hexahedra.col(id) << p + lower, p + 1 + lower, p + 1 + nu + lower, p + nu + lower,
               p + upper, p + 1 + upper, p + 1 + nu + upper, p + nu + upper;
-            mesh.Elements.col(id) = domain.Element(
-              { cellOf[0][static_cast<std::size_t>(i)], cellOf[1][static_cast<std::size_t>(j)],
-                cellOf[2][static_cast<std::size_t>(k)] },
-              patch.FirstSpan);
+            mesh.Elements.col(id) << patch.FirstSpan[0] +
+                grid.Spans[0][static_cast<std::size_t>(i)],
+              patch.FirstSpan[1] + grid.Spans[1][static_cast<std::size_t>(j)],
+              patch.FirstSpan[2] + grid.Spans[2][static_cast<std::size_t>(k)];
           }
         }
       }

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -68,6 +69,20 @@ struct SolidMesh
   Eigen::Matrix3Xi Elements;
   bool LimitReached = false;
 };
+
+/// The tensor grid that TessellateSolid() makes hexahedra of.
+struct SolidGrid
+{
+  std::array<std::vector<double>, 3> Lines; ///< ascending parameters; 2 for a direction not there
+  /// Per layer between lines: the non-empty knot span of the geometry, counted in this part.
+  std::array<std::vector<int>, 3> Spans;
+  bool LimitReached = false;
+};
+
+/// The grid of a patch of any dimension: d-linear interpolation of position and attributes between
+/// its lines is within the tolerances.
+/// \throws Error as TessellateBoundary
+[[nodiscard]] SolidGrid MakeSolidGrid(const Patch& patch, const TessellationOptions& options);
 
 /// Tessellates the domain faces of a volume (Patch::IsDomainFace), a surface, or a curve (as
 /// lines), so that the tolerances hold everywhere, by bounds and not by samples.

@@ -110,6 +110,13 @@ void Prepare(vtkAlgorithm* filter)
     plane->SetNormal(1.0, 2.0, 3.0);
     slice->SetSliceFunction(plane);
   }
+  else if (auto clip = vtkNURBSClip::SafeDownCast(filter))
+  {
+    vtkNew<vtkPlane> plane;
+    plane->SetOrigin(0.5, 0.5, 0.5);
+    plane->SetNormal(1.0, 2.0, 3.0);
+    clip->SetClipFunction(plane);
+  }
   else if (auto contour = vtkNURBSContour::SafeDownCast(filter))
   {
     contour->SetNumberOfContours(1);

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkNURBSClip
+ * @brief The part of exact spline volumes on one side of a plane, sphere, box or isovalue.
+ *
+ * What vtkTableBasedClipDataSet does with cells, done with the splines themselves: a conforming
+ * mesh of one side of a function or of an isovalue, to the tolerances. Points of the cut lie on the
+ * plane (to 1e-12 of the model's size), sphere or isosurface, and all points lie on the spline and
+ * carry the exact values of all attributes there.
+ *
+ * Input: see vtkNURBSAlgorithm. Output: vtkUnstructuredGrid of tetrahedra of positive volume
+ * (volumes), triangles (surfaces) or lines (curves) with the arrays of vtkNURBSMeshAlgorithm but
+ * Normals. Field data, one number each:
+ * - `CertifiedCells`: cells at the cut, before they are cut, in which it is proven to be one sheet
+ * - `UndecidedCells`: those in which a zero can neither be excluded nor be proven to be a simple
+ *   sheet; no wider than the tolerance unless the limit of refinement came first
+ * - `LargestResidual`: of |f| at points of the cut, relative to |f| at the ends of the edges there
+ * - `LargestError`: measured distance from the exact geometry and the exact cut
+ * - `ToleranceReached`: 0 where the limit of refinement came first (a warning says so too)
+ *
+ * With a function (ClipFunction): planes, spheres, cylinders, quadrics and boxes (also transformed
+ * by an affine transform) are exact polynomials; any other function is sampled in every cell at the
+ * cut, and these count as undecided. Without one, by an attribute, a coordinate, a parametric
+ * coordinate or det J (ClipBy), at Value; the attribute is chosen with SetInputArrayToProcess(0, 0,
+ * 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, name), and patches without it are left out.
+ *
+ * The mesh of a patch is conforming. Where patches meet, their meshes may differ by Tolerance.
+ *
+ * Cost: proportional to the elements kept and to the output. Not more than about 20 million cells
+ * of a patch are refined further: then a warning says that a tolerance was not reached.
+ *
+ * References: Maubach, SIAM J. Sci. Comput. 16 (1995), for the refinement.
+ *
+ * @code{.cpp}
+ * vtkNew<vtkSphere> sphere;
+ * vtkNew<vtkNURBSClip> clip;
+ * clip->SetInputConnection(reader->GetOutputPort());
+ * clip->SetClipFunction(sphere);
+ * clip->Update();
+ * @endcode
+ *
+ * @sa vtkNURBSSlice, vtkNURBSContour, vtkNURBSTessellate
+ */
+#ifndef vtkNURBSClip_h
+#define vtkNURBSClip_h
+
+#include "vtkNURBSFiltersModule.h" // for the export macro
+#include "vtkNURBSMeshAlgorithm.h"
+#include "vtkSmartPointer.h" // for the function
+
+class vtkImplicitFunction;
+
+class VTKNURBSFILTERS_EXPORT vtkNURBSClip : public vtkNURBSMeshAlgorithm
+{
+public:
+  static vtkNURBSClip* New();
+  vtkTypeMacro(vtkNURBSClip, vtkNURBSMeshAlgorithm)
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// Also that of the function.
+  vtkMTimeType GetMTime() override;
+
+  ///@{
+  /**
+   * The function that clips. Default: none, then ClipBy says what does.
+   */
+  void SetClipFunction(vtkImplicitFunction* function);
+  vtkImplicitFunction* GetClipFunction();
+  ///@}
+
+  enum ClipByTypes
+  {
+    ATTRIBUTE = 0,
+    COORDINATES = 1,
+    PARAMETRIC_COORDINATES = 2,
+    JACOBIAN_DETERMINANT = 3
+  };
+
+  ///@{
+  /**
+   * What clips where there is no function: an attribute (the default), a coordinate, a parametric
+   * coordinate (in the patch's own knots), or the determinant of the derivatives of the coordinates
+   * by the parameters.
+   */
+  vtkSetClampMacro(ClipBy, int, ATTRIBUTE, JACOBIAN_DETERMINANT);
+  vtkGetMacro(ClipBy, int);
+  ///@}
+
+  ///@{
+  /**
+   * The component of the attribute or coordinates, from 0; -1 is the magnitude, which parametric
+   * coordinates do not have. Default 0.
+   */
+  vtkSetMacro(Component, int);
+  vtkGetMacro(Component, int);
+  ///@}
+
+  ///@{
+  /**
+   * The value at which to clip where there is no function. Default 0.
+   */
+  vtkSetMacro(Value, double);
+  vtkGetMacro(Value, double);
+  ///@}
+
+  ///@{
+  /**
+   * Whether the side of smaller values is kept (on, the default: behind a plane, inside a sphere or
+   * box) or that of larger ones.
+   */
+  vtkSetMacro(Invert, bool);
+  vtkGetMacro(Invert, bool);
+  vtkBooleanMacro(Invert, bool);
+  ///@}
+
+protected:
+  vtkNURBSClip();
+  ~vtkNURBSClip() override;
+
+  int OutputType() const override;
+  void Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output) override;
+
+private:
+  vtkNURBSClip(const vtkNURBSClip&) = delete;
+  void operator=(const vtkNURBSClip&) = delete;
+
+  vtkSmartPointer<vtkImplicitFunction> ClipFunction;
+  int ClipBy = ATTRIBUTE;
+  int Component = 0;
+  double Value = 0.0;
+  bool Invert = true;
+};
+
+#endif

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How wrong linear interpolation in the simplices of a clip is.
+#include "ClipWorker.h"
+#include "NumberingWorker.h"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hyperpatch
+{
+
+namespace
+{
+
+/// The largest error of linear interpolation of something quadratic in a simplex, from those at the
+/// middles of its edges (in the order of SimplexRefinement::Edges): there, or in the middle of a
+/// face, or in that of the simplex.
+template <typename Vector, typename Norm>
+double LargestError(const Vector* edges, int dimension, const Norm& norm)
+{
+  double largest = 0.0;
+  for (int e = 0; e < SimplexRefinement::NumberOfEdges(dimension); ++e)
+  {
+    largest = std::max(largest, norm(edges[e]));
+  }
+  if (dimension >= 2)
+  {
+    // Faces 012, 013, 023, 123.
+    static constexpr int Faces[4][3] = { { 0, 1, 2 }, { 0, 3, 4 }, { 1, 3, 5 }, { 2, 4, 5 } };
+    for (int f = 0; f < (dimension == 3 ? 4 : 1); ++f)
+    {
+      const Vector sum = edges[Faces[f][0]] + edges[Faces[f][1]] + edges[Faces[f][2]];
+      largest = std::max(largest, 4.0 / 9.0 * norm(sum));
+    }
+  }
+  if (dimension == 3)
+  {
+    const Vector sum = edges[0] + edges[1] + edges[2] + edges[3] + edges[4] + edges[5];
+    largest = std::max(largest, 0.25 * norm(sum));
+  }
+  return largest;
+}
+
+}
+
+void ClipWorker::Error::Add(double largest, const std::array<double, 6>& edges)
+{
+  this->Largest = std::max(this->Largest, largest);
+  for (std::size_t e = 0; e < 6; ++e)
+  {
+    this->Edges[e] = std::max(this->Edges[e], edges[e]);
+  }
+}
+
+ClipWorker::Error ClipWorker::PositionError(const Cell& cell) const
+{
+  const int dimension = this->Mesh->Dimension();
+  std::array<Eigen::Vector3d, 6> errors;
+  std::array<double, 6> norms{};
+  for (int e = 0; e < SimplexRefinement::NumberOfEdges(dimension); ++e)
+  {
+    const auto at = static_cast<std::size_t>(e);
+    errors[at] = (this->Points[Middle(cell, e)] -
+                   0.5 * (this->Points[End(cell, e, 0)] + this->Points[End(cell, e, 1)])) /
+      this->Options.Tolerance;
+    norms[at] = errors[at].norm();
+  }
+  return {
+    LargestError(errors.data(), dimension, [](const Eigen::Vector3d& x) { return x.norm(); }), norms
+  };
+}
+
+ClipWorker::Error ClipWorker::AttributeError(const Cell& cell) const
+{
+  const int dimension = this->Mesh->Dimension();
+  Error error;
+  for (std::size_t a = 0; a < this->Options.AttributeTolerances.size(); ++a)
+  {
+    const double tolerance = this->Options.AttributeTolerances[a];
+    const auto components =
+      static_cast<std::size_t>(this->Body->Attributes()[a]->Spline().Components());
+    const std::vector<double>& values = this->Attributes[a];
+    for (std::size_t c = 0; c < components && tolerance > 0.0; ++c)
+    {
+      const auto at = [&values, components, c](std::size_t node)
+      { return values[components * node + c]; };
+      std::array<double, 6> differences{};
+      std::array<double, 6> magnitudes{};
+      for (int e = 0; e < SimplexRefinement::NumberOfEdges(dimension); ++e)
+      {
+        const double difference =
+          at(Middle(cell, e)) - 0.5 * (at(End(cell, e, 0)) + at(End(cell, e, 1)));
+        differences[static_cast<std::size_t>(e)] = difference / tolerance;
+        magnitudes[static_cast<std::size_t>(e)] = std::abs(difference) / tolerance;
+      }
+      error.Add(LargestError(differences.data(), dimension, [](double x) { return std::abs(x); }),
+        magnitudes);
+    }
+  }
+  return error;
+}
+
+ClipWorker::Error ClipWorker::CutError(const Cell& cell, std::size_t field) const
+{
+  // At a point of the interpolant's zero set, f is the error e of interpolating f, but for what
+  // the point in space is off by: its distance from f = 0 is |s| / |g| to first order, with s = e -
+  // g . (error of the position) and the gradient g of the interpolant in space. s is 0 at corners
+  // and taken for quadratic.
+  const int dimension = this->Mesh->Dimension();
+  const int edges = SimplexRefinement::NumberOfEdges(dimension);
+  const std::vector<double>& values = this->Values[field];
+  Eigen::MatrixXd sides(dimension, 3);
+  Eigen::VectorXd differences(dimension);
+  for (int c = 1; c <= dimension; ++c)
+  {
+    sides.row(c - 1) = (this->Points[Corner(cell, c)] - this->Points[Corner(cell, 0)]).transpose();
+    differences[c - 1] = values[Corner(cell, c)] - values[Corner(cell, 0)];
+  }
+  const Eigen::VectorXd gradient = sides.completeOrthogonalDecomposition().solve(differences);
+  const double scale = 1.0 / (gradient.norm() * this->Options.Tolerance);
+  std::array<double, 6> s{};
+  std::array<double, 6> magnitudes{};
+  double error = 0.0;
+  std::array<Eigen::Vector4d, 6> cut; // barycentric coordinates of points of the cut
+  std::size_t cuts = 0;
+  for (int e = 0; e < edges; ++e)
+  {
+    const std::size_t a = End(cell, e, 0);
+    const std::size_t b = End(cell, e, 1);
+    const std::size_t m = Middle(cell, e);
+    const double chord = values[m] - 0.5 * (values[a] + values[b]);
+    s[static_cast<std::size_t>(e)] =
+      chord - gradient.dot(this->Points[m] - 0.5 * (this->Points[a] + this->Points[b]));
+    magnitudes[static_cast<std::size_t>(e)] = std::abs(s[static_cast<std::size_t>(e)]) * scale;
+    if (values[a] * values[b] < 0.0)
+    {
+      Eigen::Vector4d& at = cut[cuts++];
+      at.setZero();
+      at[SimplexRefinement::Edges[e][0]] = values[b] / (values[b] - values[a]);
+      at[SimplexRefinement::Edges[e][1]] = values[a] / (values[a] - values[b]);
+    }
+    else if (values[m] * (values[a] + values[b]) < 0.0)
+    {
+      // Through the edge and back.
+      error = std::max(error, std::abs(values[m]) * scale);
+    }
+  }
+  const auto at = [&s, edges](const Eigen::Vector4d& place)
+  {
+    double sum = 0.0;
+    for (int e = 0; e < edges; ++e)
+    {
+      sum += 4.0 * place[SimplexRefinement::Edges[e][0]] * place[SimplexRefinement::Edges[e][1]] *
+        s[static_cast<std::size_t>(e)];
+    }
+    return sum;
+  };
+  // The corners of the cut are exact whatever s is there.
+  Eigen::Vector4d centre = Eigen::Vector4d::Zero();
+  double mean = 0.0;
+  for (std::size_t i = 0; i < cuts; ++i)
+  {
+    centre += cut[i] / static_cast<double>(cuts);
+    mean += at(cut[i]) / static_cast<double>(cuts);
+    for (std::size_t j = 0; j < i; ++j)
+    {
+      const double chord = at(0.5 * (cut[i] + cut[j])) - 0.5 * (at(cut[i]) + at(cut[j]));
+      error = std::max(error, std::abs(chord) * scale);
+    }
+  }
+  if (cuts > 0)
+  {
+    error = std::max(error, std::abs(at(centre) - mean) * scale);
+  }
+  return { std::isnan(error) ? 0.0 : error, magnitudes };
+}
+
+std::vector<ClipWorker::Facet> ClipWorker::CutFacets() const
+{
+  // The facets of one cell alone that lie on a zero set, but for those in a side of the patch.
+  const int dimension = this->Mesh->Dimension();
+  const int m = this->Body->Geometry()->Spline().Components();
+  struct Corners
+  {
+    std::array<int, 3> Points; ///< -1 where there are fewer
+    std::size_t Field;
+    int Cells;
+  };
+  std::vector<Corners> corners;
+  std::vector<Facet> facets;
+  Numbering numbers;
+  for (const SimplexCut::Cell& cell : this->Pieces->Cells())
+  {
+    if (!this->Options.KeepInside && cell.Outside == 0)
+    {
+      continue;
+    }
+    for (int left = 0; left <= dimension && dimension > 1; ++left)
+    {
+      unsigned on = ~0u;
+      std::array<int, 3> points{ -1, -1, -1 };
+      std::size_t used = 0;
+      for (int c = 0; c <= dimension; ++c)
+      {
+        const SimplexCut::Index point = cell.Corners[static_cast<std::size_t>(c)];
+        if (c != left)
+        {
+          on &= this->Pieces->On()[static_cast<std::size_t>(point)];
+          points[used++] = static_cast<int>(point);
+        }
+      }
+      if (on == 0)
+      {
+        continue;
+      }
+      std::sort(points.begin(), points.end());
+      const auto [number, isNew] = numbers.Number({ points[0], points[1], points[2], 0 });
+      if (isNew)
+      {
+        facets.push_back({ 0.0, static_cast<std::size_t>(cell.Origin) });
+        corners.push_back({ points, 0, 0 });
+        while (!(on >> corners.back().Field & 1))
+        {
+          ++corners.back().Field;
+        }
+      }
+      ++corners[static_cast<std::size_t>(number)].Cells;
+    }
+  }
+  this->Options.For(static_cast<std::ptrdiff_t>(facets.size()), Grain,
+    [&](std::ptrdiff_t begin, std::ptrdiff_t end)
+    {
+      Eigen::MatrixXd derivatives(m, 3);
+      Eigen::VectorXd exact(m);
+      for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
+      {
+        Eigen::Vector3d u = Eigen::Vector3d::Zero();
+        Eigen::Vector3d x = Eigen::Vector3d::Zero();
+        Eigen::AlignedBox3d box;
+        for (const int i : corners[f].Points)
+        {
+          if (i >= 0)
+          {
+            const auto point = static_cast<std::size_t>(i);
+            u += this->Pieces->Parameters()[point] / dimension;
+            x += this->Pieces->Points()[point] / dimension;
+            box.extend(this->Pieces->Parameters()[point]);
+          }
+        }
+        bool isInSide = false;
+        for (std::size_t d = 0; d < 3; ++d)
+        {
+          const auto at = static_cast<Eigen::Index>(d);
+          isInSide = isInSide ||
+            (this->P.Body.Geometry().Knots()[d].Degree() > 0 && box.min()[at] == box.max()[at] &&
+              (box.min()[at] == this->Grid.Lines[d].front() ||
+                box.min()[at] == this->Grid.Lines[d].back()));
+        }
+        if (corners[f].Cells > 1 || isInSide)
+        {
+          continue;
+        }
+        double value = 0.0;
+        Eigen::VectorXd gradient(3);
+        this->Fields[corners[f].Field]->EvaluateWithGradient(1, u.data(), &value, gradient.data());
+        this->Body->Geometry()->Evaluator().EvaluateWithDerivatives(
+          1, u.data(), exact.data(), derivatives.data());
+        const Eigen::VectorXd physical =
+          derivatives.transpose().completeOrthogonalDecomposition().solve(gradient);
+        const double slope = physical.norm();
+        facets[f].Error =
+          slope > 0.0 ? std::abs(value - physical.dot(exact - x.head(m))) / slope : 0.0;
+      }
+    });
+  return facets;
+}
+
+}

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef hyperpatch_SimplexCut_h
+#define hyperpatch_SimplexCut_h
+
+#include "Parallel.h"
+#include "Prepared.h"
+#include "ScalarField.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace hyperpatch
+{
+
+/// Simplices over the parameter domain of a patch (points, segments, triangles or tetrahedra) that
+/// are cut along the zero sets of fields, one field after the other.
+///
+/// Which side a simplex is on is read off its corners: it must be small enough for that. New points
+/// lie on edges, where the field is 0 to round-off; on an edge that lies on the zero sets of
+/// earlier fields they stay on those too, so that the line in which two zero sets meet is met by
+/// both. A simplex is bisected at its new points in an order that depends on the points alone:
+/// simplices that share a face cut it alike, and what was conforming stays so. Orientations stay.
+///
+/// Points from which the zero set is nearer than a quarter of their shortest edge may be moved onto
+/// it along an edge instead, so that no thin parts are cut off (Labelle & Shewchuk, Isosurface
+/// stuffing, SIGGRAPH 2007).
+class SimplexCut
+{
+public:
+  using Index = std::int64_t;
+
+  struct Cell
+  {
+    /// Points; as many as the dimension asks for are used.
+    std::array<Index, 4> Corners;
+    std::int64_t Origin; ///< a number of the caller's, which parts inherit
+    /// Bit k: the part is where field k is positive.
+    unsigned Outside = 0;
+  };
+
+  /// \param dimension of the simplices, 0..3
+  /// \throws Error if there are more than MaximumFields
+  SimplexCut(std::shared_ptr<const PreparedAggregate> body,
+    std::vector<std::shared_ptr<const ScalarField>> fields, int dimension);
+  static constexpr int MaximumFields = 8;
+
+  /// \param point physical
+  /// \param on bit k: the point lies on the zero set of field k
+  /// \param fixed bit d: parameter d must stay if the point is moved; Immovable: it may not be
+  Index AddPoint(const Eigen::Vector3d& parameter, const Eigen::Vector3d& point, unsigned on = 0,
+    unsigned fixed = Immovable);
+  static constexpr unsigned Immovable = 8;
+  void AddCell(const Cell& cell) { this->C.push_back(cell); }
+
+  /// Cuts all cells along the zero set of a field. Those that lose their extent, since all points
+  /// lie on it now, are left out.
+  /// \param keepOutside whether to keep the parts where the field is positive
+  /// \returns false if aborted
+  bool Cut(
+    int field, bool keepOutside, const ParallelFor& parallel, const std::function<bool()>& abort);
+
+  [[nodiscard]] const std::vector<Cell>& Cells() const { return this->C; }
+  [[nodiscard]] const std::vector<Eigen::Vector3d>& Parameters() const { return this->U; }
+  [[nodiscard]] const std::vector<Eigen::Vector3d>& Points() const { return this->X; }
+  /// Per point, bit k: it lies on the zero set of field k.
+  [[nodiscard]] const std::vector<unsigned>& On() const { return this->OnField; }
+  /// The points that a new point lies between, those of the caller: twice itself.
+  [[nodiscard]] const std::vector<std::array<Index, 2>>& Between() const { return this->Ends; }
+  /// The largest |f| left at a new point, relative to |f| at the ends of its edge.
+  [[nodiscard]] double LargestResidual() const { return this->Residual; }
+
+private:
+  void Bisect(const Cell& cell, const std::vector<Index>& order, std::vector<Cell>& parts) const;
+  void FindRoots(int field, const std::vector<std::array<Index, 2>>& edges,
+    const std::vector<double>& values, const ParallelFor& parallel);
+  void MovePoints(int field, Index first, std::vector<double>& values);
+  void Correct(unsigned on, const std::array<bool, 3>& isFree, Eigen::Vector3d& u) const;
+
+  std::shared_ptr<const PreparedAggregate> Body;
+  std::vector<std::shared_ptr<const ScalarField>> Fields;
+  int Dimension;
+  Eigen::Vector3d Low, High; ///< the domain
+  std::vector<Eigen::Vector3d> U, X;
+  std::vector<unsigned> OnField;
+  std::vector<unsigned> Fixed;
+  std::vector<char> WasMoved;
+  std::vector<std::array<Index, 2>> Ends;
+  std::vector<Cell> C;
+  double Residual = 0.0;
+};
+
+}
+
+#endif
