@@ -6,7 +6,8 @@
  * Turns lines of any origin (a drawn polyline, a contour, a column of measurements) into curves for
  * the modelling filters. Every line of the input becomes a patch. It has as many control points as
  * the line has points, knots at the points (not-a-knot ends; averaged knots for even degrees) and
- * passes through all of them; all numeric point arrays are interpolated along with them.
+ * passes through all of them; all numeric point arrays are interpolated along with them. A closed
+ * line, whose last point is the first one, gives a curve that is closed but not smooth there.
  *
  * Input: vtkPolyData with lines or polylines. Output: vtkPartitionedDataSetCollection, the control
  * lattice, see NURBSConversion.h; attributes have the names of the point arrays, and share the

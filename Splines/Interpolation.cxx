@@ -219,7 +219,7 @@ std::vector<double> ChordParameters(const Eigen::MatrixXd& points, double expone
   std::vector<double> parameters(Unsigned(points.cols()), 0.0);
   for (Index i = 1; i < points.cols(); ++i)
   {
-    const double step = std::pow((points.col(i) - points.col(i - 1)).norm(), exponent);
+    const double step = std::pow((points.col(i) - points.col(i - 1)).stableNorm(), exponent);
     if (!(step > 0.0))
     {
       throw Error("points " + std::to_string(i - 1) + " and " + std::to_string(i) +

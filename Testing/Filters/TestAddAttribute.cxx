@@ -80,6 +80,8 @@ struct Addition
   void ExpectError(const std::string& text)
   {
     EXPECT_TRUE(this->Update().Patches.empty());
+    auto report = vtkTable::SafeDownCast(this->Filter->GetOutputDataObject(1));
+    EXPECT_EQ(report->GetNumberOfRows(), 0);
     ASSERT_EQ(this->Errors.size(), 1u);
     EXPECT_NE(this->Errors[0].find(text), std::string::npos) << this->Errors[0];
     this->Errors.clear();

@@ -400,6 +400,8 @@ TEST(ChordParameters, AreLengthsOfChords)
   points << 0, 3, 3, 4, 0, 4, 5, 5;
   const std::vector<double> chords = ChordParameters(points);
   EXPECT_EQ(chords, (std::vector<double>{ 0.0, 5.0 / 7.0, 6.0 / 7.0, 1.0 }));
+  // Squares of these would vanish.
+  EXPECT_EQ(ChordParameters(std::exp2(-800) * points), chords);
   EXPECT_EQ(ChordParameters(points, 0.0), (std::vector<double>{ 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0 }));
   points.col(2) = points.col(1);
   ExpectError([&] { static_cast<void>(ChordParameters(points)); }, "points 1 and 2 coincide");
