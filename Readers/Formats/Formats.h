@@ -16,7 +16,7 @@ enum class Format
 {
   Unknown,
   GismoXml,   ///< G+Smo XML
-  MfemMesh,   ///< MFEM NURBS mesh v1.0, v1.1 (NC-patch is recognised and refused)
+  MfemMesh,   ///< MFEM NURBS mesh v1.0, v1.1, NC-patch
   GoToolsG2,  ///< GoTools g2
   IritItd,    ///< IRIT itd, text
   GeoPdesText ///< GeoPDEs (NURBS toolbox) text

@@ -158,7 +158,8 @@ class RealFiles(unittest.TestCase):
 
     def test_folded_files(self):
         # The last one is folded on faces of its patches only.
-        for names in (('gismo', 'tensorBSpline.xml'), ('gismo', 'water_passage_3p.xml'),
+        for names in (('gismo', 'tensorBSpline.xml'), ('irit', 'tensorBSpline.itd'),
+                      ('irit', 'skeletal_muscle.itd'), ('gismo', 'water_passage_3p.xml'),
                       ('gismo', 'terrificPart02_vol.xml')):
             counts, injective = self.validity(*names)
             self.assertGreater(counts[2], 0, names)
@@ -168,7 +169,9 @@ class RealFiles(unittest.TestCase):
         for names in (('mfem', 'pipe-nurbs.mesh'), ('gismo', 'bent_pipe.xml'),
                       ('gismo', 'twisted_pipe.xml'), ('gismo', 'horseshoe.xml'),
                       ('gismo', 'camembert.xml'), ('gismo', 'pole_u2p.xml'),
-                      ('gismo', 'cylinder.xml'), ('splipy', 'cube-8-orient3.g2')):
+                      ('gismo', 'cylinder.xml'), ('splipy', 'cube-8-orient3.g2'),
+                      ('gismo', 'thbcube.xml'), ('geopdes', 'geo_2cubesb.txt'),
+                      ('geopdes', 'geo_thick_ring.txt'), ('gotools', 'midship_stiff1.g2')):
             counts, injective = self.validity(*names)
             self.assertEqual(counts[1:], [0, 0], names)
             self.assertEqual(injective, 1, names)

@@ -112,6 +112,43 @@ controlpoints
 2 2 2
 )";
 
+// A strip of two squares above one patch of two spans.
+const std::string NonConforming = R"(MFEM NURBS NC-patch mesh v1.0
+dimension 2
+elements 3
+0 1 3 0 0 1 2 3
+0 1 3 0 3 6 4 5
+0 1 3 0 6 2 7 4
+boundary 1
+9 1 0 1
+vertex_to_knotspan 1
+6 1 3 2
+coordinates 8 2
+0 0 2 0 2 1 0 1 1 2 0 2 1 1 2 2
+edges 11
+0 0 1
+1 1 2
+1 0 3
+0 3 2
+2 3 6
+2 6 2
+2 5 4
+2 4 7
+1 3 5
+1 6 4
+1 2 7
+knotvectors 3
+1 3 0 0 1 2 2
+1 2 0 0 1 1
+1 2 0 0 1 1
+weights 1 1 1 1 1 1 1 1 1
+FiniteElementSpace
+FiniteElementCollection: NURBS1
+VDim: 2
+Ordering: 1
+0 0 2 0 2 1 0 1 1 2 0 2 1 1 2 2 1 0
+)";
+
 const std::string Itd = R"([OBJECT [COLOR 4] BLOCK
 [TRIVAR BSPLINE 2 2 2 2 2 2 P3
 [KV 0 0 1 1]
@@ -192,6 +229,7 @@ TEST(FormatErrors, TextsOfThisTestAreGood)
   EXPECT_EQ(MessageOf([] { (void)ParseGoToolsG2(G2); }), "no error");
   EXPECT_EQ(MessageOf([] { (void)ParseMfemMesh(Mesh); }), "no error");
   EXPECT_EQ(MessageOf([] { (void)ParseMfemMesh(MeshOfPatches); }), "no error");
+  EXPECT_EQ(MessageOf([] { (void)ParseMfemMesh(NonConforming); }), "no error");
   EXPECT_EQ(MessageOf([] { (void)ParseGismoXml(Xml); }), "no error");
   EXPECT_EQ(MessageOf([] { (void)ParseGismoXml(Hierarchical); }), "no error");
   EXPECT_EQ(MessageOf([] { (void)ParseIritItd(Itd); }), "no error");
@@ -236,7 +274,7 @@ TEST(FormatErrors, MfemNamesLineThingAndRemedy)
   { ExpectError([&] { (void)ParseMfemMesh(Replaced(Mesh, from, to)); }, parts); };
   expect("MFEM NURBS mesh v1.0", "MFEM mesh v1.0", { "line 1", "not a NURBS mesh", "mesh reader" });
   expect("v1.0", "v2.0", { "line 1", "v2.0", "save it as v1.0" });
-  expect("mesh v1.0", "NC-patch mesh v1.0", { "line 1", "non-conforming", "v1.0" });
+  expect("mesh v1.0", "NC-patch mesh v1.1", { "line 1", "v1.1", "save it as v1.0" });
   expect("dimension 3", "dimension 4", { "line 2", "dimension", "1..3" });
   expect("1 5 0 1", "1 3 0 1", { "line 4", "element's type" });
   expect("elements 1", "elements 1000000000000", { "line 3", "1000000000000 elements", "room" });
@@ -307,6 +345,23 @@ TEST(FormatErrors, MfemPatchesNameLineThingAndRemedy)
     { "patch 0", "weight 1", "must be positive" });
   expect("knotvectors 1", "knotvectors 2", { "line 9", "number of knot vectors" });
   expect("1 2 0 0 1 1", "1 3 0 0 0 1 1", { "line 10", "patch 0, direction u", "multiplicity 3" });
+}
+
+TEST(FormatErrors, NonConformingMeshesNameLineThingAndRemedy)
+{
+  const auto expect =
+    [](const std::string& from, const std::string& to, const std::vector<std::string>& parts)
+  { ExpectError([&] { (void)ParseMfemMesh(Replaced(NonConforming, from, to)); }, parts); };
+  expect("0 1 3 0 0 1 2 3", "0 1 3 1 0 1 2 3", { "line 4", "refined in itself", "save" });
+  expect("6 1 3 2", "8 1 3 2", { "hanging vertex 8", "0..7" });
+  expect("6 1 3 2", "6 1 3 9", { "vertex 6 hangs on edge 3 - 9", "section edges" });
+  expect("6 1 3 2", "6 2 3 2", { "vertex 6 hangs behind 2", "that place is taken" });
+  expect("6 1 3 2", "6 7 3 2", { "vertex 6 hangs behind 7", "not on its face" });
+  expect("vertex_to_knotspan 1", "vertex_to_knotspan 99", { "line 9", "99 hanging", "room" });
+  expect("coordinates 8 2", "coordinates 999 2", { "line 11", "999 vertices", "room" });
+  expect(
+    "1 3 0 0 1 2 2", "2 4 0 0 0 1 2 2 2", { "edge 2 - 3", "degree 2", "save a conforming one" });
+  expect("1 3 0 0 1 2 2", "1 4 0 0 0.5 1 2 2", { "edge 2 - 3", "1 hanging", "2 control points" });
 }
 
 TEST(FormatErrors, GismoNamesElementThingAndRemedy)
@@ -496,7 +551,8 @@ TEST(FormatErrors, ReadSplineFileBeginsWithTheFileName)
 
 TEST(FormatErrors, EveryTruncationAndMutationParsesOrIsAnError)
 {
-  std::vector<std::string> seeds{ G2, Mesh, MeshOfPatches, Xml, Hierarchical, Itd, GeoPdes };
+  std::vector<std::string> seeds{ G2, Mesh, MeshOfPatches, NonConforming, Xml, Hierarchical, Itd,
+    GeoPdes };
   std::vector<std::string> names;
   for (const std::string name : { "folded_sweep.xml", "tube_on_block.xml", "quarter_tube.g2",
          "twisted_bar.mesh", "quarter_tube.itd", "two_blocks.txt" })
@@ -506,8 +562,8 @@ TEST(FormatErrors, EveryTruncationAndMutationParsesOrIsAnError)
   for (const std::string name : { "gismo/fichera.xml", "gismo/linear_elasticity_example.xml",
          "splinepy/gismo_indent_nolabels_ascii_3d.xml", "mfem/beam-hex-nurbs.mesh",
          "mfem/two-cubes-nurbs.mesh", "mfem/pipe-nurbs.mesh", "mfem/pipe-nurbs-log.mesh",
-         "splipy/cube-8-orient3.g2", "gismo/thbcube.xml", "irit/skeletal_muscle.itd",
-         "geopdes/geo_2cubesb.txt" })
+         "mfem/nc-nurbs3d.mesh", "splipy/cube-8-orient3.g2", "gismo/thbcube.xml",
+         "irit/skeletal_muscle.itd", "geopdes/geo_2cubesb.txt" })
   {
     names.push_back(models::RealFile(name));
   }
