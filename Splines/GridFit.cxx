@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <string>
 #include <utility>
 
@@ -116,9 +115,9 @@ private:
     const DirectionFit fit = this->Fit();
     const auto count = static_cast<Index>(this->Sites->size());
     const bool isMaximum = this->Measure == ErrorMeasure::Maximum;
-    std::vector<double> errors(Unsigned(count), 0.0);
-    std::mutex mutex;
     const LineBlocks blocks(along.Inner, count, along.Outer);
+    // Of every block by itself: sums must not depend on the order in which threads come.
+    Eigen::ArrayXXd parts(count, blocks.Count());
     blocks.ForEach(parallelFor,
       [&]
       {
@@ -133,21 +132,21 @@ private:
           blocks.Read(block, samples.data(), rows.data());
           fit(width, rows.data(), points.data());
           fit.Evaluate(width, points.data(), values.data());
-          const std::lock_guard<std::mutex> lock(mutex);
           for (Index i = 0; i < count; ++i)
           {
             const Eigen::Map<const Eigen::ArrayXd> row(rows.data() + i * width, width);
             const Eigen::Map<const Eigen::ArrayXd> value(values.data() + i * width, width);
-            double& error = errors[Unsigned(i)];
-            error = isMaximum ? std::max(error, (value - row).abs().maxCoeff())
-                              : error + ((value - row) / unit).square().sum();
+            parts(i, block.Number) =
+              isMaximum ? (value - row).abs().maxCoeff() : ((value - row) / unit).square().sum();
           }
         };
       });
     const double lines = static_cast<double>(along.Inner / along.Components * along.Outer);
-    for (double& error : errors)
+    std::vector<double> errors(Unsigned(count));
+    for (Index i = 0; i < count; ++i)
     {
-      error = isMaximum ? error : unit * std::sqrt(error / lines);
+      errors[Unsigned(i)] =
+        isMaximum ? parts.row(i).maxCoeff() : unit * std::sqrt(parts.row(i).sum() / lines);
     }
     return errors;
   }

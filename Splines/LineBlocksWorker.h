@@ -23,7 +23,7 @@ public:
   /// Some lines: `Length` neighbours along the inner index in each of `Slabs` slabs.
   struct Block
   {
-    Index FirstSlab, Slabs, FirstLine, Length;
+    Index Number, FirstSlab, Slabs, FirstLine, Length;
     [[nodiscard]] Index Lines() const { return this->Slabs * this->Length; }
   };
 
@@ -40,6 +40,12 @@ public:
     this->Parts = (inner + this->Run - 1) / this->Run;
   }
 
+  /// How many there are: Block::Number is 0 .. Count() - 1.
+  [[nodiscard]] Index Count() const
+  {
+    return (this->Outer + this->Slabs - 1) / this->Slabs * this->Parts;
+  }
+
   /// Bound of Block::Lines().
   [[nodiscard]] Index MaximalLines() const { return this->Run * this->Slabs; }
 
@@ -47,8 +53,7 @@ public:
   template <typename MakeWork>
   void ForEach(const ParallelFor& parallelFor, MakeWork&& makeWork) const
   {
-    const Index count = (this->Outer + this->Slabs - 1) / this->Slabs * this->Parts;
-    parallelFor(count, 1 + count / 256,
+    parallelFor(this->Count(), 1 + this->Count() / 256,
       [this, &makeWork](std::ptrdiff_t begin, std::ptrdiff_t end)
       {
         auto work = makeWork();
@@ -56,7 +61,7 @@ public:
         {
           const Index firstSlab = i / this->Parts * this->Slabs;
           const Index firstLine = i % this->Parts * this->Run;
-          work(Block{ firstSlab, std::min(this->Slabs, this->Outer - firstSlab), firstLine,
+          work(Block{ i, firstSlab, std::min(this->Slabs, this->Outer - firstSlab), firstLine,
             std::min(this->Run, this->Inner - firstLine) });
         }
       });

@@ -217,6 +217,31 @@ TEST(FitToTolerance, MeetsARootMeanSquareWithFewerControlPoints)
   }
 }
 
+TEST(FitToTolerance, IsTheSameOnAnyNumberOfThreads)
+{
+  const ParallelFor backwards = [](std::ptrdiff_t count, std::ptrdiff_t grain, const auto& body)
+  {
+    for (std::ptrdiff_t begin = (count - 1) / grain * grain; begin >= 0; begin -= grain)
+    {
+      body(begin, std::min(begin + grain, count));
+    }
+  };
+  const Sites sites{ Line(60), Line(50), Line(40) };
+  const Eigen::MatrixXd samples =
+    Sample(sites, Bump) + 0.05 * Eigen::MatrixXd::Random(2, 60 * 50 * 40);
+  for (const ErrorMeasure measure : { ErrorMeasure::Maximum, ErrorMeasure::RootMeanSquare })
+  {
+    const double tolerance = 0.045;
+    const Spline spline = FitToTolerance({ 3, 3, 3 }, sites, samples, tolerance, measure);
+    EXPECT_EQ(FitToTolerance({ 3, 3, 3 }, sites, samples, tolerance, measure, backwards), spline);
+    const FitError error = MeasureError(spline, sites, Reader(samples));
+    const FitError other = MeasureError(spline, sites, Reader(samples), backwards);
+    EXPECT_EQ(other.RootMeanSquare, error.RootMeanSquare);
+    EXPECT_EQ(other.Maximum, error.Maximum);
+    EXPECT_EQ(other.Where, error.Where);
+  }
+}
+
 TEST(FitToTolerance, GoesOnWhereTheIntervalsAroundAnErrorAreFull)
 {
   // A single peak between two sites that are places already: more of them have to come beside.
