@@ -211,21 +211,23 @@ bool ZeroSet::Worker::Extract()
   }
   this->SetLines(std::move(lines));
   const auto finish = [this]
-  {
-    return this->FindValues() && this->TraceFaces() && this->FollowCurves() &&
-      this->FillAndAssemble();
-  };
+  { return this->FindValues() && this->TraceFaces() && this->FollowCurves() && this->Fill(); };
   bool finished = this->Search() && finish();
   for (int round = 0; round < MostRefinements && finished && this->Refine(); ++round)
   {
     finished = finish();
   }
+  if (!finished)
+  {
+    return false;
+  }
+  this->Assemble();
   for (const auto& edge : this->OpenEdges)
   {
     ++(this->SidesOf(edge) != 0 ? this->Certificate.OpenEdgesOnBoundary
                                 : this->Certificate.OpenEdgesInside);
   }
-  return finished;
+  return true;
 }
 
 ZeroSet::ZeroSet(const Aggregate& body, const ScalarField& field, ZeroSetOptions options)

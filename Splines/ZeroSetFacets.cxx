@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace hyperpatch
 {
@@ -43,6 +44,23 @@ Eigen::Matrix2d Larger(const Eigen::Matrix2d& M, const Eigen::Matrix2d& N)
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(inverse * N * inverse.transpose());
   return L * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(1.0).asDiagonal() *
     eigen.eigenvectors().transpose() * L.transpose();
+}
+
+/// How far a surface leaves a triangle inside it, to second order: half of sum l_i l_j q_ij in
+/// barycentric coordinates, where q_ij is what the normal turns by along edge ij, times its length.
+double MiddleHeight(const std::array<double, 3>& q)
+{
+  const double sum = q[0] + q[1] + q[2];
+  const double product = q[0] * q[1] * q[2];
+  const double divisor =
+    2.0 * (q[0] * q[1] + q[1] * q[2] + q[2] * q[0]) - (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+  bool isAcute = divisor > 0.0;
+  for (const double side : q)
+  {
+    isAcute = isAcute && side * sum > 0.0 && 2.0 * std::abs(side) < std::abs(sum);
+  }
+  // In the centre of the circle, if it is inside; otherwise an edge is worse than the middle.
+  return std::max(std::abs(sum) / 18.0, isAcute ? std::abs(0.5 * product / divisor) : 0.0);
 }
 
 /// Where linear interpolation in a triangle is about furthest from a surface whose curvature makes
@@ -533,7 +551,7 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
     }
     // The cubic through the corners with these normals, on the edges and in the middle.
     double most = 0.0;
-    double sum = 0.0;
+    std::array<double, 3> q{};
     for (int k = 0; k < 3; ++k)
     {
       const int l = (k + 1) % 3;
@@ -541,9 +559,9 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
       const double from = -n.col(k).dot(chord);
       const double to = n.col(l).dot(chord);
       most = std::max(most, HermiteHeight(from, to));
-      sum += from + to;
+      q[static_cast<std::size_t>(k)] = from + to;
     }
-    most = std::max(most, std::abs(sum) / 18.0);
+    most = std::max(most, MiddleHeight(q));
     errors[static_cast<std::size_t>(t)] = most / this->Options.Tolerance;
     distance = std::max(distance, most);
     if (hasAttributes || !IsFlat(most, n, this->Options.Tolerance))
@@ -584,7 +602,7 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
   {
     const double error = errors[static_cast<std::size_t>(t)];
     worst = std::max(worst, error);
-    if (error > 1.0)
+    if (error > Accepted)
     {
       missing.emplace_back(static_cast<int>(t), error);
     }
@@ -627,11 +645,9 @@ bool ZeroSet::Worker::FillSheet(
     Facets piece;
     const double error =
       this->FillSheet(flat, leaf.Rises ? 1.0 : -1.0, 1.0, JustOnce, width, loop, scratch, piece);
-    if (error >= 0.0 && error <= 1.0)
+    if (error >= 0.0 && error <= Accepted)
     {
-      facets.Cells.insert(facets.Cells.end(), piece.Cells.begin(), piece.Cells.end());
-      facets.Error = std::max(facets.Error, piece.Error);
-      facets.AttributeError = std::max(facets.AttributeError, piece.AttributeError);
+      facets = std::move(piece);
       return true;
     }
   }
@@ -657,20 +673,8 @@ bool ZeroSet::Worker::FillSheet(
     }
     if (!piece.Cells.empty())
     {
-      const Index before = facets.Inner.Count();
-      facets.Inner.Resize(*this, before + piece.Inner.Count());
-      this->Copy(piece.Inner, 0, facets.Inner, before, piece.Inner.Count());
-      for (auto& cell : piece.Cells)
-      {
-        for (Index& corner : cell)
-        {
-          corner -= corner < 0 ? before : 0;
-        }
-        facets.Cells.push_back(cell);
-      }
-      facets.Error = std::max(facets.Error, piece.Error);
-      facets.AttributeError = std::max(facets.AttributeError, piece.AttributeError);
-      facets.IsWithinTolerance = facets.IsWithinTolerance && error <= 1.0;
+      piece.IsWithinTolerance = error <= 1.0;
+      facets = std::move(piece);
       break;
     }
     density *= 1.1 * error;
@@ -831,8 +835,8 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
     for (std::size_t k = 0; k < 3; ++k)
     {
       const int corner = triangle[k];
-      cell[k] = corner < boundary ? loop[static_cast<std::size_t>(corner)]
-                                  : -1 - innerOf[static_cast<std::size_t>(corner - boundary)];
+      cell[k] =
+        corner < boundary ? corner : -1 - innerOf[static_cast<std::size_t>(corner - boundary)];
     }
     facets.Cells.push_back(cell);
   }
@@ -842,11 +846,8 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
 void ZeroSet::Worker::FillLoop(
   const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const
 {
-  if (loop.size() < 3)
-  {
-    return;
-  }
-  if (leaf.Height >= 0 && this->FillSheet(leaf, loop, scratch, facets))
+  facets.Inner.Resize(*this, 0);
+  if (loop.size() < 3 || (leaf.Height >= 0 && this->FillSheet(leaf, loop, scratch, facets)))
   {
     return;
   }
@@ -855,26 +856,66 @@ void ZeroSet::Worker::FillLoop(
   this->FillPolygon(loop, triangles);
   if (leaf.Height >= 0)
   {
-    Facets piece;
     std::vector<std::pair<int, double>> missing;
     this->MeasureFacets(
-      triangles, static_cast<int>(loop.size()), loop, {}, scratch, piece, missing);
-    facets.Error = std::max(facets.Error, piece.Error);
-    facets.AttributeError = std::max(facets.AttributeError, piece.AttributeError);
-    facets.Failed += missing.empty() ? 0 : 1;
-    facets.IsWithinTolerance = facets.IsWithinTolerance && missing.empty();
+      triangles, static_cast<int>(loop.size()), loop, {}, scratch, facets, missing);
+    facets.Failed = missing.empty() ? 0 : 1;
+    facets.IsWithinTolerance = missing.empty();
   }
   for (const auto& triangle : triangles)
   {
-    facets.Cells.push_back({ loop[static_cast<std::size_t>(triangle[0])],
-      loop[static_cast<std::size_t>(triangle[1])], loop[static_cast<std::size_t>(triangle[2])] });
+    facets.Cells.push_back({ triangle[0], triangle[1], triangle[2] });
   }
+}
+
+void ZeroSet::Worker::Add(const Facets& piece, Index begin, Facets& facets) const
+{
+  const Index inner = facets.Inner.Count();
+  facets.Inner.Resize(*this, inner + piece.Inner.Count());
+  this->Copy(piece.Inner, 0, facets.Inner, inner, piece.Inner.Count());
+  for (const auto& cell : piece.Cells)
+  {
+    auto& added = facets.Cells.emplace_back(cell);
+    for (Index& corner : added)
+    {
+      corner += corner < 0 ? -inner : begin;
+    }
+  }
+  facets.Error = std::max(facets.Error, piece.Error);
+  facets.AttributeError = std::max(facets.AttributeError, piece.AttributeError);
+  facets.Failed += piece.Failed;
+  facets.IsWithinTolerance = facets.IsWithinTolerance && piece.IsWithinTolerance;
+}
+
+std::uint64_t ZeroSet::Worker::SignatureOf(const std::vector<std::vector<Index>>& loops) const
+{
+  std::uint64_t signature = loops.size() + 1;
+  const auto add = [&signature](double x)
+  {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &x, sizeof(bits));
+    signature = (signature ^ bits) * 0x9E3779B97F4A7C15u;
+    signature ^= signature >> 29;
+  };
+  for (const std::vector<Index>& loop : loops)
+  {
+    add(static_cast<double>(loop.size()));
+    for (const Index i : loop)
+    {
+      for (int d = 0; d < 3; ++d)
+      {
+        add(this->Shared.Parameters(d, i));
+        add(this->Shared.Points(d, i));
+      }
+    }
+  }
+  return signature;
 }
 
 void ZeroSet::Worker::FillLeaf(std::size_t number, Scratch& scratch, Facets& facets) const
 {
   const Leaf& leaf = this->Leaves[number];
-  facets.IsWithinTolerance = this->FindLoops(number, scratch);
+  const bool followed = this->FindLoops(number, scratch);
   if (leaf.Flat != 0)
   {
     this->FindFlatLoops(leaf, scratch.Loops);
@@ -883,16 +924,32 @@ void ZeroSet::Worker::FillLeaf(std::size_t number, Scratch& scratch, Facets& fac
   {
     std::reverse(scratch.Loops[i].begin(), scratch.Loops[i].end());
   }
-  facets.Inner.Resize(*this, 0);
+  const std::uint64_t signature = this->SignatureOf(scratch.Loops);
+  if (signature != facets.Signature)
+  {
+    facets = Facets();
+    facets.Signature = signature;
+    facets.Inner.Resize(*this, 0);
+    Index begin = 0;
+    for (const std::vector<Index>& loop : scratch.Loops)
+    {
+      Facets piece;
+      this->FillLoop(leaf, loop, scratch, piece);
+      this->Add(piece, begin, facets);
+      begin += static_cast<Index>(loop.size());
+    }
+  }
+  facets.Loops.clear();
   for (const std::vector<Index>& loop : scratch.Loops)
   {
-    this->FillLoop(leaf, loop, scratch, facets);
+    facets.Loops.insert(facets.Loops.end(), loop.begin(), loop.end());
   }
+  facets.IsWithinTolerance = facets.IsWithinTolerance && followed;
 }
 
 bool ZeroSet::Worker::Fill()
 {
-  this->Pieces.assign(this->Leaves.size(), Facets());
+  this->Pieces.resize(this->Leaves.size());
   if (this->Axes.size() < 3)
   {
     return true;

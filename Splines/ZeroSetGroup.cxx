@@ -558,6 +558,16 @@ ZeroSetGroup::Worker::Outcome ZeroSetGroup::Worker::Draw(
     this->ExchangeNodes();
     outcome = this->Finish();
   }
+  if (outcome == Outcome::Finished)
+  {
+    const bool assembled = this->ForAll(
+      [](Engine& engine)
+      {
+        engine.Assemble();
+        return !engine.Options.Abort();
+      });
+    outcome = assembled ? Outcome::Finished : Outcome::Aborted;
+  }
   return outcome;
 }
 
@@ -590,8 +600,8 @@ ZeroSetGroup::Worker::Outcome ZeroSetGroup::Worker::Finish()
   {
     return Outcome::Disagreed;
   }
-  return this->ForAll([](Engine& engine) { return engine.FillAndAssemble(); }) ? Outcome::Finished
-                                                                               : Outcome::Aborted;
+  return this->ForAll([](Engine& engine) { return engine.Fill(); }) ? Outcome::Finished
+                                                                    : Outcome::Aborted;
 }
 
 ZeroSetPlace ZeroSetGroup::Worker::ToAll(

@@ -10,16 +10,6 @@
 namespace hyperpatch
 {
 
-bool ZeroSet::Worker::FillAndAssemble()
-{
-  if (!this->Fill())
-  {
-    return false;
-  }
-  this->Assemble();
-  return true;
-}
-
 unsigned ZeroSet::Worker::SidesOf(const std::array<Index, 2>& edge) const
 {
   unsigned sides = 0;
@@ -90,7 +80,8 @@ void ZeroSet::Worker::Assemble()
     {
       for (const Index corner : cell)
       {
-        indices.push_back(corner < 0 ? corner - inner : corner);
+        indices.push_back(
+          corner < 0 ? corner - inner : piece.Loops[static_cast<std::size_t>(corner)]);
       }
       leafOf.push_back(leaf);
     }

@@ -368,6 +368,7 @@ bool ZeroSet::Worker::Search()
   this->WasCapped = false;
   this->FromOutside.clear();
   this->Leaves.clear();
+  this->Pieces.clear();
   std::vector<Box> open;
   {
     Node last{ 1, 1, 1 };
@@ -429,16 +430,22 @@ bool ZeroSet::Worker::SearchBoxes(std::vector<Box> open)
 
 bool ZeroSet::Worker::Refine()
 {
-  std::vector<Leaf> kept;
+  std::size_t kept = 0;
   std::vector<Box> halved;
-  for (std::size_t i = 0; i < this->Leaves.size() && i < this->Pieces.size(); ++i)
+  this->Pieces.resize(this->Leaves.size());
+  for (std::size_t i = 0; i < this->Leaves.size(); ++i)
   {
-    const Leaf& leaf = this->Leaves[i];
-    const Facets& piece = this->Pieces[i];
+    const Leaf leaf = this->Leaves[i];
+    Facets& piece = this->Pieces[i];
     if (leaf.At.Size == 1 || piece.IsWithinTolerance ||
       this->Width(leaf.At) <= this->Options.Tolerance)
     {
-      kept.push_back(leaf);
+      this->Leaves[kept] = leaf;
+      if (kept != i)
+      {
+        this->Pieces[kept] = std::move(piece);
+      }
+      ++kept;
       continue;
     }
     const int half = leaf.At.Size / 2;
@@ -452,7 +459,8 @@ bool ZeroSet::Worker::Refine()
       halved.push_back(child);
     }
   }
-  this->Leaves = std::move(kept);
+  this->Leaves.resize(kept);
+  this->Pieces.resize(kept);
   return !halved.empty() && this->SearchBoxes(std::move(halved));
 }
 

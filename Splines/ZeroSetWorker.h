@@ -50,6 +50,8 @@ private:
   static constexpr Index Batch = 256;
   /// The share of a tolerance that is aimed at: it is measured at a few points of each cell only.
   static constexpr double Target = 0.85;
+  /// The share up to which a measured error is taken.
+  static constexpr double Accepted = 0.95;
   /// The error of a triangle whose edges have the chord error 1 (equilateral, on a sphere).
   static constexpr double InnerChord = 4.0 / 3.0;
   /// No more root cells per direction than this for each in the shortest one.
@@ -133,11 +135,13 @@ private:
     Eigen::Matrix2d Metric; ///< edges of length 1 in it meet the tolerances
   };
 
-  /// The mesh of the surface in one leaf.
+  /// The mesh of the surface in one leaf. It stays as it is while what is around it does.
   struct Facets
   {
     Samples Inner;
-    /// Corners: shared points from 0 up, inner ones as -1 - i.
+    std::vector<Index> Loops;    ///< the shared points around it, loop after loop
+    std::uint64_t Signature = 0; ///< of what the loops are
+    /// Corners: places in Loops from 0 up, inner points as -1 - i.
     std::vector<std::array<Index, 3>> Cells;
     double Error = 0.0;
     double AttributeError = 0.0;
@@ -249,6 +253,9 @@ private:
   [[nodiscard]] std::optional<Shape> Probe(
     const Eigen::Vector3d& start, const Eigen::Vector3d& width, int axis) const;
   void FillLeaf(std::size_t number, Scratch& scratch, Facets& facets) const;
+  [[nodiscard]] std::uint64_t SignatureOf(const std::vector<std::vector<Index>>& loops) const;
+  /// Adds the mesh of a loop that begins at that place of Facets::Loops.
+  void Add(const Facets& piece, Index begin, Facets& facets) const;
   void FindFlatLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
   /// False where a curve around it could not be followed.
   bool FindLoops(std::size_t leaf, Scratch& scratch) const;
@@ -304,7 +311,6 @@ private:
   void Measure(const Middles& middles, std::vector<Error>& errors) const;
 
   // Mesh: ZeroSetMesh.cxx
-  bool FillAndAssemble();
   void Assemble();
   /// The edges of cells that no other cell has on its other side.
   void FindOpenEdges(const std::vector<Index>& indices);
@@ -340,10 +346,10 @@ private:
   std::array<bool, 6> GoesBeyond{}; ///< per side, whether the model goes on beyond it
   std::array<CellLines, 3> Lines;
   bool AreLinesTurned = false; ///< against parameters: mirrored in one direction, or in three
-  Eigen::Vector3d Scale;     ///< of parameters: 1 is the width of a root cell
-  Eigen::Vector3d Low, High; ///< the domain
-  Eigen::Vector3d Speed;     ///< Lengths by those of the domain
-  double DomainWidth = 0.0;  ///< the longest of Lengths
+  Eigen::Vector3d Scale;       ///< of parameters: 1 is the width of a root cell
+  Eigen::Vector3d Low, High;   ///< the domain
+  Eigen::Vector3d Speed;       ///< Lengths by those of the domain
+  double DomainWidth = 0.0;    ///< the longest of Lengths
 
   std::int64_t Undecided = 0;
   bool WasCapped = false;
