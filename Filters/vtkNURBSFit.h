@@ -36,8 +36,9 @@
  * only one process reads are sent to the others; data that are divided whatever is asked for (as
  * the PLOT3D reader does) are an error.
  *
- * Cost: gridded methods are linear in the number of samples, with one copy of one array in doubles
- * (two with target errors).
+ * Cost: gridded methods are linear in the number of samples. While an array is fitted there is one
+ * copy of it in doubles (two with target errors); the output has the control points in doubles and,
+ * where they have a lattice of their own, its points, as a rule in floats.
  *
  * References: C. de Boor, A Practical Guide to Splines; P. Eilers & B. Marx, Flexible smoothing
  * with B-splines and penalties, 1996; S. Lee, G. Wolberg & S. Shin, Scattered data interpolation
