@@ -748,19 +748,29 @@ void ZeroSetGroup::Worker::ExchangeValues()
           }
         }
       }
-      // The value of the first part that has the node.
+      // The value of the first part that has the node; where signs differ, the surface runs through
+      // it: no box needs to be there that was excluded before.
       this->Topology.FindAll(this->PartOf(m), place, all);
+      const bool isPositive = engine.NodeValues[n] >= 0.0;
+      bool differ = false;
       auto best = Numbering::Key{ 0, 0, 0, INT_MAX };
       for (const ZeroSetParts::Seen& seen : all)
       {
         const Numbering::Key key = KeyOf(seen.Part, seen.At);
         const Index number = all.size() > 1 ? numbers.Find(key) : -1;
-        if (number >= 0 && std::make_pair(key[3], key) < std::make_pair(best[3], best))
+        if (number < 0)
+        {
+          continue;
+        }
+        const double value = values[static_cast<std::size_t>(number)];
+        differ = differ || (value >= 0.0) != isPositive;
+        if (std::make_pair(key[3], key) < std::make_pair(best[3], best))
         {
           best = key;
-          engine.NodeValues[n] = values[static_cast<std::size_t>(number)];
+          engine.NodeValues[n] = value;
         }
       }
+      engine.NodeValues[n] = differ ? 0.0 : engine.NodeValues[n];
     }
   }
 }

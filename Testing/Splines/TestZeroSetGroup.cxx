@@ -425,6 +425,42 @@ TEST(ZeroSetGroup, PlanesThroughVerticesEdgesAndFacesOfEightPatchesAreClosed)
   }
 }
 
+TEST(ZeroSetGroup, PatchesWithSmallGapsCloseEvenWhereSignsDifferOnBothSides)
+{
+  // Control points with eight digits, as files have them, and planes through the common vertex.
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int seed = 0; seed < 8; ++seed)
+  {
+    std::vector<Turn> turns;
+    for (int i = 0; i < 8; ++i)
+    {
+      turns.push_back(Turn::Number(static_cast<int>(random() % 48)));
+    }
+    const Aggregate whole = Curved(seed);
+    MultiPatch model = Split(whole, { 2, 2, 2 }, turns);
+    for (Patch& patch : model.Patches)
+    {
+      const Spline& old = patch.Body.Geometry();
+      Eigen::MatrixXd points = old.Coefficients();
+      for (Eigen::Index i = 0; i < points.size(); ++i)
+      {
+        points.data()[i] += 1e-8 * unit(random);
+      }
+      patch.Body = Aggregate(Spline(old.Knots(), points, old.Weights()));
+    }
+    const Eigen::Vector3d vertex = whole.Geometry().Evaluate(0.5, 0.5, 0.5);
+    const Eigen::Vector3d normal(unit(random), unit(random), unit(random));
+    const Drawn drawn = Draw(model, Slice(Plane(normal, vertex)), 1e-2);
+    const Welded welded = Weld(drawn.Meshes);
+    EXPECT_EQ(welded.Euler, 1) << seed;
+    EXPECT_EQ(welded.Twice, 0) << seed;
+    EXPECT_EQ(welded.Open, drawn.Certificate.OpenEdgesOnBoundary) << seed;
+    EXPECT_EQ(drawn.Certificate.OpenEdgesInside, 0) << seed;
+    EXPECT_EQ(drawn.Certificate.OpenEdgesOnInterfaces, 0) << seed;
+  }
+}
+
 /// A ring about the z axis of inner radius 1 and outer radius 2, closed with itself: u the radius,
 /// v around, w the height; turned by `twist` half turns of its section on the way.
 Aggregate Ring(int twist)
