@@ -1,0 +1,612 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ZeroSetGroupWorker.h"
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace hyperpatch
+{
+
+namespace
+{
+
+Numbering::Key KeyOf(int part, const ZeroSetPlace& place)
+{
+  return { place.Low[0], place.Low[1], place.Low[2], 8 * part + place.Axis };
+}
+
+}
+
+ZeroSetPlace ZeroSetGroup::Worker::ToAll(
+  std::size_t member, const Engine::Node& low, int axis, int size) const
+{
+  ZeroSetPlace place{ low, axis, size };
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    place.Low[d] += this->Part(member).FirstLine[d];
+  }
+  return place;
+}
+
+ZeroSetGroup::Worker::Engine::Node ZeroSetGroup::Worker::ToOwn(
+  std::size_t member, const std::array<int, 3>& low) const
+{
+  Engine::Node own = low;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    own[d] -= this->Part(member).FirstLine[d];
+  }
+  return own;
+}
+
+bool ZeroSetGroup::Worker::IsShared(int part, const ZeroSetPlace& place) const
+{
+  const auto& links = this->Topology.Links(part);
+  return std::any_of(links.begin(), links.end(),
+    [&](const ZeroSetLink& link)
+    {
+      ZeroSetPlace at = place;
+      return this->Topology.Map(link, at);
+    });
+}
+
+void ZeroSetGroup::Worker::Disagree(int part, const ZeroSetPlace& place)
+{
+  for (const ZeroSetLink& link : this->Topology.Links(part))
+  {
+    ZeroSetPlace at = place;
+    if (this->Topology.Map(link, at))
+    {
+      this->Disagreed.insert(link.Joint);
+      return;
+    }
+  }
+}
+
+void ZeroSetGroup::Worker::ExchangeNodes()
+{
+  // Until nobody learns anything new: news travel around edges, from part to part.
+  std::vector<std::size_t> told(this->Members.size(), 0);
+  std::vector<std::vector<std::size_t>> membersOf(this->Topology.All().size());
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
+  {
+    membersOf[static_cast<std::size_t>(this->PartOf(m))].push_back(m);
+  }
+  for (bool news = true; this->Any(news);)
+  {
+    news = false;
+    std::vector<double> records;
+    for (std::size_t m = 0; m < this->Members.size(); ++m)
+    {
+      const Engine& engine = this->At(m);
+      for (; told[m] < engine.NodeAt.size(); ++told[m])
+      {
+        const ZeroSetPlace place = this->ToAll(m, engine.NodeAt[told[m]], 3, 0);
+        if (this->IsShared(this->PartOf(m), place))
+        {
+          records.push_back(this->PartOf(m));
+          Append(records, place.Low);
+        }
+      }
+    }
+    records = this->OfAll.All(records);
+    for (ZeroSetRecord r(records); !r.IsAtEnd();)
+    {
+      const int part = r.Integer();
+      const ZeroSetPlace place{ { r.Integer(), r.Integer(), r.Integer() }, 3, 0 };
+      for (const ZeroSetLink& link : this->Topology.Links(part))
+      {
+        ZeroSetPlace at = place;
+        if (!membersOf[static_cast<std::size_t>(link.Other)].empty() &&
+          this->Topology.Map(link, at))
+        {
+          for (const std::size_t m : membersOf[static_cast<std::size_t>(link.Other)])
+          {
+            news = this->At(m).Learn(this->ToOwn(m, at.Low)) || news;
+          }
+        }
+      }
+    }
+  }
+}
+
+void ZeroSetGroup::Worker::ExchangeValues()
+{
+  std::vector<double> records;
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
+  {
+    const Engine& engine = this->At(m);
+    for (std::size_t n = 0; n < engine.NodeAt.size(); ++n)
+    {
+      const ZeroSetPlace place = this->ToAll(m, engine.NodeAt[n], 3, 0);
+      if (this->IsShared(this->PartOf(m), place))
+      {
+        records.push_back(this->PartOf(m));
+        Append(records, place.Low);
+        records.push_back(engine.NodeValues[n]);
+      }
+    }
+  }
+  records = this->OfAll.All(records);
+  Numbering numbers;
+  std::vector<double> values;
+  for (ZeroSetRecord r(records); !r.IsAtEnd();)
+  {
+    const int part = r.Integer();
+    const ZeroSetPlace place{ { r.Integer(), r.Integer(), r.Integer() }, 3, 0 };
+    const double value = r.Number();
+    if (numbers.Number(KeyOf(part, place)).second)
+    {
+      values.push_back(value);
+    }
+  }
+  std::vector<ZeroSetParts::Seen> all;
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
+  {
+    Engine& engine = this->At(m);
+    const double differs = this->Differs[this->Members[m].Value];
+    for (std::size_t n = 0; n < engine.NodeAt.size(); ++n)
+    {
+      const ZeroSetPlace place = this->ToAll(m, engine.NodeAt[n], 3, 0);
+      for (const ZeroSetLink& link : this->Topology.Links(this->PartOf(m)))
+      {
+        ZeroSetPlace at = place;
+        if (this->Topology.Map(link, at))
+        {
+          const Index number = numbers.Find(KeyOf(link.Other, at));
+          if (number >= 0 &&
+            !(std::abs(values[static_cast<std::size_t>(number)] - engine.NodeValues[n]) <= differs))
+          {
+            this->Disagreed.insert(link.Joint);
+          }
+        }
+      }
+      // The value of the first part that has the node; where signs differ, the surface runs through
+      // it: no box needs to be there that was excluded before.
+      this->Topology.FindAll(this->PartOf(m), place, all);
+      const bool isPositive = engine.NodeValues[n] >= 0.0;
+      bool differ = false;
+      auto best = Numbering::Key{ 0, 0, 0, INT_MAX };
+      for (const ZeroSetParts::Seen& seen : all)
+      {
+        const Numbering::Key key = KeyOf(seen.Part, seen.At);
+        const Index number = all.size() > 1 ? numbers.Find(key) : -1;
+        if (number < 0)
+        {
+          continue;
+        }
+        const double value = values[static_cast<std::size_t>(number)];
+        differ = differ || (value >= 0.0) != isPositive;
+        if (std::make_pair(key[3], key) < std::make_pair(best[3], best))
+        {
+          best = key;
+          engine.NodeValues[n] = value;
+        }
+      }
+      engine.NodeValues[n] = differ ? 0.0 : engine.NodeValues[n];
+    }
+  }
+}
+
+bool ZeroSetGroup::Worker::Take(
+  std::size_t member, Engine::Samples& samples, Index i, const Eigen::Vector3d& place)
+{
+  // The surface runs through the place of the other side: that is an error of this one.
+  ZeroSetCertificate& certificate = this->At(member).Taken;
+  const double gap = (samples.Points.col(i) - place).norm();
+  certificate.LargestError = std::max(certificate.LargestError, gap);
+  samples.Points.col(i) = place;
+  return gap <= this->Distance &&
+    samples.Residuals[i] <= this->Differs[this->Members[member].Value];
+}
+
+void ZeroSetGroup::Worker::ExchangeVertices()
+{
+  struct Found
+  {
+    double Fraction;
+    Eigen::Vector3d Point;
+    bool IsZero;
+  };
+  std::vector<double> records;
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
+  {
+    Engine& engine = this->At(m);
+    engine.Taken = ZeroSetCertificate();
+    for (std::size_t v = 0; v < engine.Vertices.size(); ++v)
+    {
+      const Engine::Vertex& vertex = engine.Vertices[v];
+      const ZeroSetPlace place = this->ToAll(m, vertex.At, vertex.Axis, vertex.Size);
+      if (this->IsShared(this->PartOf(m), place))
+      {
+        records.push_back(this->PartOf(m));
+        Append(records, place.Low);
+        records.insert(records.end(), { static_cast<double>(vertex.Axis), vertex.Fraction });
+        Append(records, engine.Shared.Points.col(static_cast<Index>(v)));
+        records.push_back(vertex.IsZero ? 1.0 : 0.0);
+      }
+    }
+  }
+  records = this->OfAll.All(records);
+  Numbering numbers;
+  std::vector<Found> found;
+  for (ZeroSetRecord r(records); !r.IsAtEnd();)
+  {
+    const int part = r.Integer();
+    const std::array<int, 3> low{ r.Integer(), r.Integer(), r.Integer() };
+    const int axis = r.Integer();
+    const double fraction = r.Number();
+    const Eigen::Vector3d point(r.Numbers<3>().data());
+    const bool isZero = r.Number() != 0.0;
+    if (numbers.Number(KeyOf(part, { low, axis, 0 })).second)
+    {
+      found.push_back({ fraction, point, isZero });
+    }
+  }
+  std::vector<ZeroSetParts::Seen> all;
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
+  {
+    Engine& engine = this->At(m);
+    std::vector<std::pair<Index, const Found*>> taken;
+    for (std::size_t v = 0; v < engine.Vertices.size(); ++v)
+    {
+      Engine::Vertex& vertex = engine.Vertices[v];
+      const ZeroSetPlace place = this->ToAll(m, vertex.At, vertex.Axis, vertex.Size);
+      this->Topology.FindAll(this->PartOf(m), place, all);
+      const Numbering::Key own = KeyOf(all[0].Part, all[0].At);
+      Numbering::Key best = own;
+      for (const ZeroSetParts::Seen& seen : all)
+      {
+        const Numbering::Key key = KeyOf(seen.Part, seen.At);
+        if (numbers.Find(key) >= 0 &&
+          std::make_pair(seen.Part, key) < std::make_pair(best[3] / 8, best))
+        {
+          best = key;
+        }
+      }
+      if (best == own)
+      {
+        continue;
+      }
+      const Found& first = found[static_cast<std::size_t>(numbers.Find(best))];
+      vertex.Fraction = first.Fraction;
+      vertex.IsZero = first.IsZero;
+      taken.emplace_back(static_cast<Index>(v), &first);
+    }
+    Engine::Samples samples;
+    samples.Resize(engine, static_cast<Index>(taken.size()));
+    for (std::size_t i = 0; i < taken.size(); ++i)
+    {
+      const Engine::Vertex& vertex = engine.Vertices[static_cast<std::size_t>(taken[i].first)];
+      auto parameters = samples.Parameters.col(static_cast<Index>(i));
+      parameters = engine.Shared.Parameters.col(taken[i].first);
+      if (vertex.Axis < 3)
+      {
+        const int line = vertex.At[static_cast<std::size_t>(vertex.Axis)];
+        const double low = engine.Line(vertex.Axis, line);
+        const double high = engine.Line(vertex.Axis, line + vertex.Size);
+        parameters[vertex.Axis] = low + vertex.Fraction * (high - low);
+      }
+    }
+    engine.Evaluate(samples, 0, samples.Count());
+    for (std::size_t i = 0; i < taken.size(); ++i)
+    {
+      const auto& [v, from] = taken[i];
+      const Engine::Vertex& vertex = engine.Vertices[static_cast<std::size_t>(v)];
+      // The middle of an edge need not be on the surface.
+      if (!this->Take(m, samples, static_cast<Index>(i), from->Point) && vertex.Axis <= 3)
+      {
+        this->Disagree(this->PartOf(m), this->ToAll(m, vertex.At, vertex.Axis, vertex.Size));
+      }
+      engine.Copy(samples, static_cast<Index>(i), engine.Shared, v, 1);
+    }
+  }
+}
+
+void ZeroSetGroup::Worker::ExchangeCurves()
+{
+  // A curve is known by its ends and, if it is no edge, by its plane.
+  using Key = std::array<int, 10>;
+  const auto keyOf = [](int part, int normal, ZeroSetPlace a, ZeroSetPlace b, bool& turned)
+  {
+    turned = std::tie(b.Low, b.Axis) < std::tie(a.Low, a.Axis);
+    if (turned)
+    {
+      std::swap(a, b);
+    }
+    return Key{ part, normal, a.Low[0], a.Low[1], a.Low[2], a.Axis, b.Low[0], b.Low[1], b.Low[2],
+      b.Axis };
+  };
+  constexpr int Edge = 3;
+  struct Seen
+  {
+    Key At;
+    bool Turned;
+  };
+  const auto see = [&](std::size_t m, const Engine::Curve& curve, std::vector<Seen>& seen)
+  {
+    seen.clear();
+    const Engine& engine = this->At(m);
+    const int part = this->PartOf(m);
+    const auto placeOf = [&](Index v)
+    {
+      const Engine::Vertex& vertex = engine.Vertices[static_cast<std::size_t>(v)];
+      return this->ToAll(m, vertex.At, vertex.Axis, vertex.Size);
+    };
+    const ZeroSetPlace from = placeOf(curve.From);
+    const ZeroSetPlace to = placeOf(curve.To);
+    bool turned = false;
+    if (curve.EdgeAxis >= 0)
+    {
+      const auto axis = static_cast<std::size_t>(curve.EdgeAxis);
+      const int size = std::abs(to.Low[axis] - from.Low[axis]);
+      std::vector<ZeroSetParts::Seen> all;
+      this->Topology.FindAll(part, { std::min(from.Low, to.Low), curve.EdgeAxis, size }, all);
+      for (const ZeroSetParts::Seen& s : all)
+      {
+        ZeroSetPlace low{ s.At.Low, 3, 0 };
+        ZeroSetPlace high = low;
+        high.Low[static_cast<std::size_t>(s.At.Axis)] += size;
+        const bool rises = from.Low < to.Low;
+        const Key key = keyOf(s.Part, Edge, rises ? low : high, rises ? high : low, turned);
+        seen.push_back({ key, turned });
+      }
+      return;
+    }
+    const Key own = keyOf(part, curve.Normal, from, to, turned);
+    seen.push_back({ own, turned });
+    const int line = curve.Line + this->Part(m).FirstLine[static_cast<std::size_t>(curve.Normal)];
+    for (const ZeroSetLink& link : this->Topology.Links(part))
+    {
+      ZeroSetPlace a = from;
+      ZeroSetPlace b = to;
+      if (link.Side / 2 == curve.Normal && link.Line == line && this->Topology.Map(link, a) &&
+        this->Topology.Map(link, b))
+      {
+        const Key key = keyOf(link.Other, link.OtherSide / 2, a, b, turned);
+        seen.push_back({ key, turned });
+      }
+    }
+  };
+
+  std::vector<double> records;
+  std::vector<Seen> seen;
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
+  {
+    const Engine& engine = this->At(m);
+    for (std::size_t c = 0; c < engine.Curves.size(); ++c)
+    {
+      const Engine::Curve& curve = engine.Curves[c];
+      if (engine.CurveOf[c] != static_cast<Index>(c) || !curve.IsOnCrease)
+      {
+        continue;
+      }
+      see(m, curve, seen);
+      if (seen.size() < 2)
+      {
+        continue;
+      }
+      Append(records, seen[0].At);
+      records.insert(records.end(),
+        { curve.HasFailed ? 1.0 : 0.0, curve.Measured.Distance, static_cast<double>(curve.Count) });
+      for (Index i = 0; i < curve.Count; ++i)
+      {
+        const Index at = curve.First + (seen[0].Turned ? curve.Count - 1 - i : i);
+        for (int d = 0; d < 3; ++d)
+        {
+          records.push_back(
+            this->Topology.ToClass(this->Part(m), d, engine.Shared.Parameters(d, at)));
+        }
+        Append(records, engine.Shared.Points.col(at));
+      }
+    }
+  }
+  records = this->OfAll.All(records);
+  struct Found
+  {
+    bool HasFailed;
+    double Error;
+    Index Count;
+    std::size_t Points; ///< where they are in the records
+  };
+  std::map<Key, Found> found;
+  for (ZeroSetRecord r(records); !r.IsAtEnd();)
+  {
+    Key key{};
+    for (int& k : key)
+    {
+      k = r.Integer();
+    }
+    Found one{};
+    one.HasFailed = r.Number() != 0.0;
+    one.Error = r.Number();
+    one.Count = r.Integer();
+    one.Points = r.Position();
+    r.Skip(6 * static_cast<std::size_t>(one.Count));
+    found.emplace(key, one);
+  }
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
+  {
+    Engine& engine = this->At(m);
+    struct Taken
+    {
+      std::size_t Curve;
+      const Found* From;
+      Key At;
+      bool Turned;
+    };
+    std::vector<Taken> taken;
+    const Index before = engine.Shared.Count();
+    Index total = before;
+    for (std::size_t c = 0; c < engine.Curves.size(); ++c)
+    {
+      Engine::Curve& curve = engine.Curves[c];
+      if (engine.CurveOf[c] != static_cast<Index>(c) || !curve.IsOnCrease)
+      {
+        continue;
+      }
+      see(m, curve, seen);
+      if (seen.size() < 2)
+      {
+        continue;
+      }
+      // The finest of those that succeeded, then that of the first part.
+      const auto rank = [](const Key& key, const Found& one)
+      { return std::make_tuple(one.HasFailed, -one.Count, key); };
+      const Seen* best = &seen[0];
+      const Found* from = &found.at(best->At);
+      for (const Seen& s : seen)
+      {
+        const auto other = found.find(s.At);
+        if (other != found.end() && rank(s.At, other->second) < rank(best->At, *from))
+        {
+          best = &s;
+          from = &other->second;
+        }
+      }
+      if (best == &seen[0])
+      {
+        continue;
+      }
+      curve.HasFailed = from->HasFailed;
+      curve.Measured.Distance = from->Error;
+      curve.Count = from->Count;
+      curve.First = total;
+      total += curve.Count;
+      taken.push_back({ c, from, best->At, best->Turned });
+    }
+    engine.Shared.Resize(engine, total);
+    for (const Taken& t : taken)
+    {
+      const Engine::Curve& curve = engine.Curves[t.Curve];
+      // The class parameters of the other side, by our directions.
+      std::array<int, 3> axis{ 0, 1, 2 };
+      for (const ZeroSetLink& link : this->Topology.Links(this->PartOf(m)))
+      {
+        if (t.At[1] != Edge && link.Other == t.At[0] && link.Side / 2 == curve.Normal &&
+          link.OtherSide / 2 == t.At[1])
+        {
+          axis = link.Axis;
+        }
+      }
+      if (t.At[1] == Edge)
+      {
+        // Only the direction of the edge counts: the one in which its ends differ.
+        const int far = t.At[2] != t.At[6] ? 0 : t.At[3] != t.At[7] ? 1 : 2;
+        axis = { far, far, far };
+      }
+      for (Index i = 0; i < curve.Count; ++i)
+      {
+        const double* from = &records[t.From->Points +
+          6 * static_cast<std::size_t>(t.Turned ? curve.Count - 1 - i : i)];
+        for (int d = 0; d < 3; ++d)
+        {
+          const double a = engine.Shared.Parameters(d, curve.From);
+          const double b = engine.Shared.Parameters(d, curve.To);
+          const double x = std::clamp(
+            this->Topology.FromClass(this->Part(m), d, from[axis[static_cast<std::size_t>(d)]]),
+            engine.Low[d], engine.High[d]);
+          // What runs along a line has its bits.
+          const bool isOnLine = curve.EdgeAxis >= 0 ? d != curve.EdgeAxis : d == curve.Normal;
+          const double same = 1e-12 * (engine.High[d] - engine.Low[d]);
+          engine.Shared.Parameters(d, curve.First + i) =
+            isOnLine || (a == b && std::abs(x - a) <= same) ? a : x;
+        }
+      }
+    }
+    engine.Evaluate(engine.Shared, before, total);
+    for (const Taken& t : taken)
+    {
+      const Engine::Curve& curve = engine.Curves[t.Curve];
+      bool agrees = true;
+      for (Index i = 0; i < curve.Count; ++i)
+      {
+        const double* from = &records[t.From->Points +
+          6 * static_cast<std::size_t>(t.Turned ? curve.Count - 1 - i : i)];
+        agrees = this->Take(m, engine.Shared, curve.First + i, Eigen::Vector3d(from + 3)) && agrees;
+      }
+      for (const ZeroSetLink& link : this->Topology.Links(this->PartOf(m)))
+      {
+        if (!agrees && link.Other == t.At[0] && link.Side / 2 == curve.Normal)
+        {
+          this->Disagreed.insert(link.Joint);
+        }
+      }
+    }
+  }
+}
+
+void ZeroSetGroup::Worker::CountOpenEdges()
+{
+  // Edges are open only if no other side has them too: the other of an interface, or the same where
+  // it is collapsed.
+  using Key = std::array<double, 7>;
+  const auto keyOf = [this](std::size_t m, const std::array<Index, 2>& edge, int& sign)
+  {
+    const Engine& engine = this->At(m);
+    std::array<std::array<double, 3>, 2> ends{};
+    for (std::size_t k = 0; k < 2; ++k)
+    {
+      const auto x = engine.Shared.Points.col(edge[k]);
+      ends[k] = { x[0] + 0.0, x[1] + 0.0, x[2] + 0.0 };
+    }
+    sign = ends[0] < ends[1] ? 1 : -1;
+    const auto& [low, high] = std::minmax(ends[0], ends[1]);
+    return Key{ static_cast<double>(this->Members[m].Value), low[0], low[1], low[2], high[0],
+      high[1], high[2] };
+  };
+  const auto hasLink = [this](std::size_t m, unsigned sides)
+  {
+    const auto& links = this->Topology.Links(this->PartOf(m));
+    return std::any_of(links.begin(), links.end(),
+      [sides](const ZeroSetLink& link) { return (sides >> link.Side & 1u) != 0; });
+  };
+  std::vector<double> records;
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
+  {
+    for (const auto& edge : this->At(m).OpenEdges)
+    {
+      int sign = 0;
+      Append(records, keyOf(m, edge, sign));
+      records.push_back(sign);
+    }
+  }
+  records = this->OfAll.All(records);
+  std::map<Key, int> balance;
+  for (ZeroSetRecord r(records); !r.IsAtEnd();)
+  {
+    const Key key = r.Numbers<7>();
+    balance[key] += r.Integer();
+  }
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
+  {
+    const Engine& engine = this->At(m);
+    for (const auto& edge : engine.OpenEdges)
+    {
+      int sign = 0;
+      if (balance[keyOf(m, edge, sign)] * sign <= 0)
+      {
+        continue;
+      }
+      const unsigned sides = engine.SidesOf(edge);
+      bool isBoundary = false;
+      bool isInterface = false;
+      for (int side = 0; side < NumberOfSides; ++side)
+      {
+        const bool isOn = (sides >> side & 1u) != 0;
+        const bool isListed = this->Topology.IsListed(this->PartOf(m), side);
+        isBoundary = isBoundary || (isOn && !isListed);
+        isInterface = isInterface || (isOn && isListed && !hasLink(m, 1u << side));
+      }
+      ZeroSetCertificate& certificate = this->At(m).Certificate;
+      ++(isBoundary     ? certificate.OpenEdgesOnBoundary
+          : isInterface ? certificate.OpenEdgesOnInterfaces
+                        : certificate.OpenEdgesInside);
+    }
+  }
+}
+
+}
