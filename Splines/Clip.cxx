@@ -161,8 +161,9 @@ void ClipWorker::Decide(Cell& cell, std::size_t field, BoxSpline& f) const
   }
   constexpr std::array<Part, 3> Everywhere{ Part::Whole, Part::Whole, Part::Whole };
   bool isZero = !own.Excludes(box);
-  Verdict verdict = Verdict::Open;
-  if (isZero && own.Restrict(box, f))
+  // What is one sheet in a box is one in its parts.
+  Verdict verdict = VerdictOf(cell, field);
+  if (isZero && verdict != Verdict::Sheet && own.Restrict(box, f))
   {
     isZero = f.Values(Everywhere).Contains(0.0);
     verdict = f.Vanishes(Everywhere) || f.IsLostInNoise() ? Verdict::Lost : Verdict::Open;

@@ -263,15 +263,19 @@ std::vector<ClipWorker::Facet> ClipWorker::CutFacets() const
           continue;
         }
         double value = 0.0;
-        Eigen::VectorXd gradient(3);
+        Eigen::Vector3d gradient;
         this->Fields[corners[f].Field]->EvaluateWithGradient(1, u.data(), &value, gradient.data());
         this->Body->Geometry()->Evaluator().EvaluateWithDerivatives(
           1, u.data(), exact.data(), derivatives.data());
         const Eigen::VectorXd physical =
           derivatives.transpose().completeOrthogonalDecomposition().solve(gradient);
+        double miss = value;
+        for (int c = 0; c < m; ++c)
+        {
+          miss -= physical[c] * (exact[c] - x[c]);
+        }
         const double slope = physical.norm();
-        facets[f].Error =
-          slope > 0.0 ? std::abs(value - physical.dot(exact - x.head(m))) / slope : 0.0;
+        facets[f].Error = slope > 0.0 ? std::abs(miss) / slope : 0.0;
       }
     });
   return facets;
