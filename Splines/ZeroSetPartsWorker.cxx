@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ZeroSetPartsWorker.h"
 
-#include <Eigen/Core>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <set>
 #include <tuple>
@@ -87,95 +84,6 @@ std::size_t Index(int i)
   return static_cast<std::size_t>(i);
 }
 
-}
-
-std::vector<ZeroSetContact> FindContacts(const std::vector<ZeroSetSide>& sides, double distance)
-{
-  constexpr int Count = static_cast<int>(ZeroSetSide::Places.size());
-  const auto sample = [](const ZeroSetSide& side, int i, int j)
-  { return Eigen::Vector3d(side.Samples[Index(i + Count * j)].data()); };
-  // By the cells of a grid that the mean of the corners is in or near to.
-  const double cell = 4.0 * std::max(distance, std::numeric_limits<double>::min());
-  std::map<std::array<double, 3>, std::vector<std::size_t>> open;
-  std::vector<ZeroSetContact> contacts;
-  for (std::size_t s = 0; s < sides.size(); ++s)
-  {
-    const ZeroSetSide& side = sides[s];
-    bool collapsed[2] = { true, true };
-    for (int i = 0; i < Count; ++i)
-    {
-      for (int j = 0; j < Count; ++j)
-      {
-        collapsed[0] = collapsed[0] && (sample(side, i, j) - sample(side, 0, j)).norm() <= distance;
-        collapsed[1] = collapsed[1] && (sample(side, i, j) - sample(side, i, 0)).norm() <= distance;
-      }
-    }
-    if (collapsed[0] || collapsed[1])
-    {
-      continue;
-    }
-    const Eigen::Vector3d mean = 0.25 *
-      (sample(side, 0, 0) + sample(side, Count - 1, 0) + sample(side, 0, Count - 1) +
-        sample(side, Count - 1, Count - 1));
-    bool isMet = false;
-    for (int corner = 0; corner < 8 && !isMet; ++corner)
-    {
-      std::array<double, 3> key{};
-      for (int d = 0; d < 3; ++d)
-      {
-        const double shift = corner >> d & 1 ? 1.0 : -1.0;
-        key[Index(d)] = std::floor((mean[d] + shift * distance) / cell);
-      }
-      const auto near = open.find(key);
-      for (std::size_t o = 0; near != open.end() && o < near->second.size() && !isMet; ++o)
-      {
-        const ZeroSetSide& other = sides[near->second[o]];
-        for (int code = 0; code < 8 && !isMet; ++code)
-        {
-          bool same = true;
-          for (int j = 0; j < Count && same; ++j)
-          {
-            for (int i = 0; i < Count && same; ++i)
-            {
-              const int a = code & 1 ? Count - 1 - i : i;
-              const int b = code & 2 ? Count - 1 - j : j;
-              same =
-                (sample(other, i, j) - sample(side, code & 4 ? b : a, code & 4 ? a : b)).norm() <=
-                distance;
-            }
-          }
-          if (!same)
-          {
-            continue;
-          }
-          const int normal = other.Side / 2;
-          const std::array<int, 2> along{ normal == 0 ? 1 : 0, normal == 2 ? 1 : 2 };
-          const int ownNormal = side.Side / 2;
-          const std::array<int, 2> own{ ownNormal == 0 ? 1 : 0, ownNormal == 2 ? 1 : 2 };
-          ZeroSetContact contact{ other.Part, other.Side, side.Part, side.Side, {}, {} };
-          contact.Axis[Index(normal)] = ownNormal;
-          for (std::size_t d = 0; d < 2; ++d)
-          {
-            contact.Axis[Index(along[d])] = own[code & 4 ? 1 - d : d];
-            contact.Same[Index(along[d])] = (code >> d & 1) == 0;
-          }
-          contacts.push_back(contact);
-          near->second.erase(near->second.begin() + static_cast<std::ptrdiff_t>(o));
-          isMet = true;
-        }
-      }
-    }
-    if (!isMet)
-    {
-      std::array<double, 3> key{};
-      for (int d = 0; d < 3; ++d)
-      {
-        key[Index(d)] = std::floor(mean[d] / cell);
-      }
-      open[key].push_back(s);
-    }
-  }
-  return contacts;
 }
 
 bool ZeroSetParts::FindElements(std::vector<ZeroSetPart>& parts)

@@ -4,6 +4,7 @@
 
 #include "Aggregate.h"
 #include "CellLines.h"
+#include "ZeroSetContactsWorker.h"
 
 #include <array>
 #include <cstddef>
@@ -52,29 +53,6 @@ struct ZeroSetPlace
 
   [[nodiscard]] int Along() const { return this->Axis == 3 ? -1 : this->Axis % 4; }
 };
-
-/// A side of a part, to be compared with others.
-struct ZeroSetSide
-{
-  int Part, Side;
-  /// Values of the two parameters along it, in [0, 1], at which it is sampled; with some that are
-  /// not symmetric.
-  static constexpr std::array<double, 4> Places{ 0.0, 0.3, 0.7, 1.0 };
-  static constexpr std::size_t Size = Places.size() * Places.size();
-  std::array<std::array<double, 3>, Size> Samples; ///< the lower direction fastest
-};
-
-/// Two sides that are the same.
-struct ZeroSetContact
-{
-  int Part, Side, OtherPart, OtherSide;
-  std::array<int, 3> Axis; ///< the other's direction of each of ours
-  std::array<bool, 3> Same;
-};
-
-/// Pairs of sides whose samples coincide. Sides that are collapsed have none.
-[[nodiscard]] std::vector<ZeroSetContact> FindContacts(
-  const std::vector<ZeroSetSide>& sides, double distance);
 
 /// How a part goes on in another one, or in itself, beyond one of its sides.
 struct ZeroSetLink
