@@ -1,31 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "JacobianCrease.h"
 
-#include "Bernstein.h"
 #include "Error.h"
-#include "JacobianField.h"
+#include "JacobianCreaseWorker.h"
 #include "JacobianSign.h"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
 
 namespace hyperpatch
 {
 
 namespace
 {
-
-using Index = std::int64_t;
-using Parameter = std::array<double, 3>;
-using Triangle = std::array<Index, 3>;
 
 /// The sign that all coefficients certainly have, or 0.
 int SignOf(const Bernstein& f)
@@ -73,448 +61,286 @@ bool IsProportional(const Bernstein& f, const Bernstein& g)
 /// Zeros of both determinants on an edge are one if they are nearer than this part of it.
 constexpr double Coincidence = 1e-11;
 
-/// det J on both sides of the plane.
-using Pair = std::array<double, 2>;
+}
 
-class Extraction
+JacobianCrease JacobianCreaseExtraction::Make()
 {
-public:
-  Extraction(
-    const Spline& below, const Spline& above, int direction, int subdivision, double featureSize)
-    : Below(below)
-    , Above(above)
-    , D(static_cast<std::size_t>(direction))
-    , B((D + 1) % 3)
-    , C((D + 2) % 3)
-    , N(subdivision)
-    , FeatureSize(featureSize)
-    , Sides{ JacobianField(below), JacobianField(above) }
-    , Geometry(below)
-  {
-  }
+  const std::size_t nb = this->Below.Knots()[this->B].Spans().size();
+  const std::size_t nc = this->Below.Knots()[this->C].Spans().size();
+  this->Breaks = { this->Below.Knots()[this->B].Breaks(), this->Below.Knots()[this->C].Breaks() };
+  this->AddElements({ 0, 0 }, { nb, nc });
+  this->Fill();
+  this->Measure();
+  return std::move(this->Result);
+}
 
-  JacobianCrease Make()
-  {
-    const std::size_t nb = this->Below.Knots()[this->B].Spans().size();
-    const std::size_t nc = this->Below.Knots()[this->C].Spans().size();
-    this->Breaks = { this->Below.Knots()[this->B].Breaks(), this->Below.Knots()[this->C].Breaks() };
-    this->AddElements({ 0, 0 }, { nb, nc });
-    this->Fill();
-    this->Measure();
-    return std::move(this->Result);
-  }
+double JacobianCreaseExtraction::Line(int axis, std::size_t element, int line) const
+{
+  const std::vector<double>& breaks = this->Breaks[static_cast<std::size_t>(axis)];
+  const double t = static_cast<double>(line) / this->N;
+  return line == this->N ? breaks[element + 1]
+                         : breaks[element] + t * (breaks[element + 1] - breaks[element]);
+}
 
-private:
-  struct Vertex
+void JacobianCreaseExtraction::AddElements(
+  const std::array<std::size_t, 2>& begin, const std::array<std::size_t, 2>& end)
+{
+  const double at = this->Below.Knots()[this->D].Last();
+  ParameterBox low{};
+  ParameterBox high{};
+  low.Low[this->D] = this->Below.Knots()[this->D].Breaks().rbegin()[1];
+  low.High[this->D] = high.Low[this->D] = at;
+  high.High[this->D] = this->Above.Knots()[this->D].Breaks()[1];
+  for (std::size_t a = 0; a < 2; ++a)
   {
-    Parameter At;
-    Pair Values;
-    std::array<bool, 2> IsRoot; ///< of the determinant below, above
+    const std::size_t d = a == 0 ? this->B : this->C;
+    low.Low[d] = high.Low[d] = this->Breaks[a][begin[a]];
+    low.High[d] = high.High[d] = this->Breaks[a][end[a]];
+  }
+  const int sign = JacobianSign(this->Below, low);
+  if (sign != 0 && sign == JacobianSign(this->Above, high))
+  {
+    return;
+  }
+  const std::size_t wide = end[0] - begin[0] >= end[1] - begin[1] ? 0 : 1;
+  if (end[wide] - begin[wide] > 1)
+  {
+    std::array<std::size_t, 2> middle = end;
+    middle[wide] = (begin[wide] + end[wide]) / 2;
+    this->AddElements(begin, middle);
+    std::array<std::size_t, 2> second = begin;
+    second[wide] = middle[wide];
+    this->AddElements(second, end);
+    return;
+  }
+  this->Element = begin;
+  const std::array<Bernstein, 2> f{ OnFace(*this->Sides[0].OnBox(low), this->D, true),
+    OnFace(*this->Sides[1].OnBox(high), this->D, false) };
+  if (!IsZero(f[0]) && !IsZero(f[1]) && !IsProportional(f[0], f[1]))
+  {
+    this->Search({ 0, 0, this->N }, f);
+  }
+}
+
+void JacobianCreaseExtraction::Search(const Block& block, const std::array<Bernstein, 2>& f)
+{
+  const int below = SignOf(f[0]);
+  const int above = SignOf(f[1]);
+  if (below != 0 && above != 0)
+  {
+    for (int c = block.C; below != above && c < block.C + block.Size; ++c)
+    {
+      for (int b = block.B; b < block.B + block.Size; ++b)
+      {
+        this->AddCell(b, c, true);
+      }
+    }
+    return;
+  }
+  if (block.Size == 1)
+  {
+    this->AddCell(block.B, block.C, false);
+    return;
+  }
+  const auto direction = [](std::size_t d) { return static_cast<int>(d); };
+  const std::array<std::array<Bernstein, 2>, 2> byB{ f[0].Split(direction(this->B)),
+    f[1].Split(direction(this->B)) };
+  const int half = block.Size / 2;
+  for (std::size_t b = 0; b < 2; ++b)
+  {
+    const std::array<std::array<Bernstein, 2>, 2> byC{ byB[0][b].Split(direction(this->C)),
+      byB[1][b].Split(direction(this->C)) };
+    for (std::size_t c = 0; c < 2; ++c)
+    {
+      this->Search(
+        { block.B + (b ? half : 0), block.C + (c ? half : 0), half }, { byC[0][c], byC[1][c] });
+    }
+  }
+}
+
+JacobianCreaseExtraction::Index JacobianCreaseExtraction::AddVertex(
+  const Parameter& at, std::array<bool, 2> isRoot)
+{
+  const auto [found, isNew] = this->VertexAt.emplace(at, static_cast<Index>(this->V.size()));
+  if (isNew)
+  {
+    Vertex vertex{ at, {}, isRoot };
+    for (std::size_t side = 0; side < 2; ++side)
+    {
+      vertex.Values[side] = this->Value(side, at);
+      vertex.IsRoot[side] = isRoot[side] || vertex.Values[side] == 0.0;
+    }
+    this->V.push_back(vertex);
+  }
+  return found->second;
+}
+
+double JacobianCreaseExtraction::Value(std::size_t side, const Parameter& at) const
+{
+  double value = 0.0;
+  this->Sides[side].Evaluate(1, at.data(), &value);
+  return value;
+}
+
+void JacobianCreaseExtraction::AddCell(int b, int c, bool isDecided)
+{
+  std::array<Index, 4> corners{};
+  for (int i = 0; i < 4; ++i)
+  {
+    Parameter at{};
+    at[this->D] = this->Below.Knots()[this->D].Last();
+    at[this->B] = this->Line(0, this->Element[0], b + (i == 1 || i == 2 ? 1 : 0));
+    at[this->C] = this->Line(1, this->Element[1], c + (i > 1 ? 1 : 0));
+    corners[static_cast<std::size_t>(i)] = this->AddVertex(at, {});
+  }
+  std::size_t pieces = 0;
+  for (const bool isPositiveBelow : { true, false })
+  {
+    for (const Triangle& half : { Triangle{ corners[0], corners[1], corners[2] },
+           Triangle{ corners[0], corners[2], corners[3] } })
+    {
+      std::vector<Index> polygon(half.begin(), half.end());
+      polygon = this->Clip(polygon, 0, isPositiveBelow);
+      polygon = this->Clip(polygon, 1, !isPositiveBelow);
+      for (std::size_t i = 1; i + 1 < polygon.size(); ++i, ++pieces)
+      {
+        this->Pieces[isPositiveBelow ? 0 : 1].push_back(
+          { { polygon[0], polygon[i], polygon[i + 1] }, this->Element });
+      }
+    }
+  }
+  if (isDecided || pieces > 0)
+  {
+    return;
+  }
+  ++this->Result.UndecidedCells;
+  // Where both change their signs together no finer grid tells more.
+  if (this->ChangesSign(corners, 0) && this->ChangesSign(corners, 1))
+  {
+    return;
+  }
+  const Eigen::Vector3d diagonal = this->Position(corners[2]) - this->Position(corners[0]);
+  this->Result.HasWideUndecidedCells =
+    this->Result.HasWideUndecidedCells || diagonal.norm() > this->FeatureSize;
+}
+
+bool JacobianCreaseExtraction::ChangesSign(
+  const std::array<Index, 4>& corners, std::size_t side) const
+{
+  bool positive = false;
+  bool negative = false;
+  for (const Index corner : corners)
+  {
+    const double value = this->V[static_cast<std::size_t>(corner)].Values[side];
+    positive = positive || value > 0.0;
+    negative = negative || value < 0.0;
+  }
+  return positive && negative;
+}
+
+Eigen::Vector3d JacobianCreaseExtraction::Position(Index vertex) const
+{
+  Eigen::Vector3d point;
+  this->Geometry.Evaluate(1, this->V[static_cast<std::size_t>(vertex)].At.data(), point.data());
+  return point;
+}
+
+std::vector<JacobianCreaseExtraction::Index> JacobianCreaseExtraction::Clip(
+  const std::vector<Index>& polygon, std::size_t side, bool positive)
+{
+  std::vector<Index> inside;
+  const auto isIn = [&](Index vertex)
+  {
+    const double value = this->V[static_cast<std::size_t>(vertex)].Values[side];
+    return !this->V[static_cast<std::size_t>(vertex)].IsRoot[side] &&
+      (positive ? value > 0.0 : value < 0.0);
   };
-
-  /// A rectangle of grid cells of an element, low corner and size in cells, a power of two.
-  struct Block
+  for (std::size_t i = 0; i < polygon.size(); ++i)
   {
-    int B, C, Size;
-  };
-
-  [[nodiscard]] double Line(int axis, std::size_t element, int line) const
-  {
-    const std::vector<double>& breaks = this->Breaks[static_cast<std::size_t>(axis)];
-    const double t = static_cast<double>(line) / this->N;
-    return line == this->N ? breaks[element + 1]
-                           : breaks[element] + t * (breaks[element + 1] - breaks[element]);
-  }
-
-  /// Goes down to single elements where control windows leave the signs open.
-  void AddElements(const std::array<std::size_t, 2>& begin, const std::array<std::size_t, 2>& end)
-  {
-    const double at = this->Below.Knots()[this->D].Last();
-    ParameterBox low{};
-    ParameterBox high{};
-    low.Low[this->D] = this->Below.Knots()[this->D].Breaks().rbegin()[1];
-    low.High[this->D] = high.Low[this->D] = at;
-    high.High[this->D] = this->Above.Knots()[this->D].Breaks()[1];
-    for (std::size_t a = 0; a < 2; ++a)
+    const Index from = polygon[i];
+    const Index to = polygon[(i + 1) % polygon.size()];
+    if (isIn(from))
     {
-      const std::size_t d = a == 0 ? this->B : this->C;
-      low.Low[d] = high.Low[d] = this->Breaks[a][begin[a]];
-      low.High[d] = high.High[d] = this->Breaks[a][end[a]];
+      inside.push_back(from);
     }
-    const int sign = JacobianSign(this->Below, low);
-    if (sign != 0 && sign == JacobianSign(this->Above, high))
+    else if (this->V[static_cast<std::size_t>(from)].IsRoot[side])
     {
-      return;
-    }
-    const std::size_t wide = end[0] - begin[0] >= end[1] - begin[1] ? 0 : 1;
-    if (end[wide] - begin[wide] > 1)
-    {
-      std::array<std::size_t, 2> middle = end;
-      middle[wide] = (begin[wide] + end[wide]) / 2;
-      this->AddElements(begin, middle);
-      std::array<std::size_t, 2> second = begin;
-      second[wide] = middle[wide];
-      this->AddElements(second, end);
-      return;
-    }
-    this->Element = begin;
-    const std::array<Bernstein, 2> f{ OnFace(*this->Sides[0].OnBox(low), this->D, true),
-      OnFace(*this->Sides[1].OnBox(high), this->D, false) };
-    if (!IsZero(f[0]) && !IsZero(f[1]) && !IsProportional(f[0], f[1]))
-    {
-      this->Search({ 0, 0, this->N }, f);
-    }
-  }
-
-  /// Goes down to single cells where the bounds leave a sign open.
-  void Search(const Block& block, const std::array<Bernstein, 2>& f)
-  {
-    const int below = SignOf(f[0]);
-    const int above = SignOf(f[1]);
-    if (below != 0 && above != 0)
-    {
-      for (int c = block.C; below != above && c < block.C + block.Size; ++c)
-      {
-        for (int b = block.B; b < block.B + block.Size; ++b)
-        {
-          this->AddCell(b, c, true);
-        }
-      }
-      return;
-    }
-    if (block.Size == 1)
-    {
-      this->AddCell(block.B, block.C, false);
-      return;
-    }
-    const auto direction = [](std::size_t d) { return static_cast<int>(d); };
-    const std::array<std::array<Bernstein, 2>, 2> byB{ f[0].Split(direction(this->B)),
-      f[1].Split(direction(this->B)) };
-    const int half = block.Size / 2;
-    for (std::size_t b = 0; b < 2; ++b)
-    {
-      const std::array<std::array<Bernstein, 2>, 2> byC{ byB[0][b].Split(direction(this->C)),
-        byB[1][b].Split(direction(this->C)) };
-      for (std::size_t c = 0; c < 2; ++c)
-      {
-        this->Search(
-          { block.B + (b ? half : 0), block.C + (c ? half : 0), half }, { byC[0][c], byC[1][c] });
-      }
-    }
-  }
-
-  Index AddVertex(const Parameter& at, std::array<bool, 2> isRoot)
-  {
-    const auto [found, isNew] = this->VertexAt.emplace(at, static_cast<Index>(this->V.size()));
-    if (isNew)
-    {
-      Vertex vertex{ at, {}, isRoot };
-      for (std::size_t side = 0; side < 2; ++side)
-      {
-        vertex.Values[side] = this->Value(side, at);
-        vertex.IsRoot[side] = isRoot[side] || vertex.Values[side] == 0.0;
-      }
-      this->V.push_back(vertex);
-    }
-    return found->second;
-  }
-
-  [[nodiscard]] double Value(std::size_t side, const Parameter& at) const
-  {
-    double value = 0.0;
-    this->Sides[side].Evaluate(1, at.data(), &value);
-    return value;
-  }
-
-  void AddCell(int b, int c, bool isDecided)
-  {
-    std::array<Index, 4> corners{};
-    for (int i = 0; i < 4; ++i)
-    {
-      Parameter at{};
-      at[this->D] = this->Below.Knots()[this->D].Last();
-      at[this->B] = this->Line(0, this->Element[0], b + (i == 1 || i == 2 ? 1 : 0));
-      at[this->C] = this->Line(1, this->Element[1], c + (i > 1 ? 1 : 0));
-      corners[static_cast<std::size_t>(i)] = this->AddVertex(at, {});
-    }
-    std::size_t pieces = 0;
-    for (const bool isPositiveBelow : { true, false })
-    {
-      for (const Triangle& half : { Triangle{ corners[0], corners[1], corners[2] },
-             Triangle{ corners[0], corners[2], corners[3] } })
-      {
-        std::vector<Index> polygon(half.begin(), half.end());
-        polygon = this->Clip(polygon, 0, isPositiveBelow);
-        polygon = this->Clip(polygon, 1, !isPositiveBelow);
-        for (std::size_t i = 1; i + 1 < polygon.size(); ++i, ++pieces)
-        {
-          this->Pieces[isPositiveBelow ? 0 : 1].push_back(
-            { { polygon[0], polygon[i], polygon[i + 1] }, this->Element });
-        }
-      }
-    }
-    if (isDecided || pieces > 0)
-    {
-      return;
-    }
-    ++this->Result.UndecidedCells;
-    // Where both change their signs together no finer grid tells more.
-    if (this->ChangesSign(corners, 0) && this->ChangesSign(corners, 1))
-    {
-      return;
-    }
-    const Eigen::Vector3d diagonal = this->Position(corners[2]) - this->Position(corners[0]);
-    this->Result.HasWideUndecidedCells =
-      this->Result.HasWideUndecidedCells || diagonal.norm() > this->FeatureSize;
-  }
-
-  [[nodiscard]] bool ChangesSign(const std::array<Index, 4>& corners, std::size_t side) const
-  {
-    bool positive = false;
-    bool negative = false;
-    for (const Index corner : corners)
-    {
-      const double value = this->V[static_cast<std::size_t>(corner)].Values[side];
-      positive = positive || value > 0.0;
-      negative = negative || value < 0.0;
-    }
-    return positive && negative;
-  }
-
-  [[nodiscard]] Eigen::Vector3d Position(Index vertex) const
-  {
-    Eigen::Vector3d point;
-    this->Geometry.Evaluate(1, this->V[static_cast<std::size_t>(vertex)].At.data(), point.data());
-    return point;
-  }
-
-  /// The part of a polygon where a determinant has a sign (Sutherland & Hodgman 1974).
-  std::vector<Index> Clip(const std::vector<Index>& polygon, std::size_t side, bool positive)
-  {
-    std::vector<Index> inside;
-    const auto isIn = [&](Index vertex)
-    {
-      const double value = this->V[static_cast<std::size_t>(vertex)].Values[side];
-      return !this->V[static_cast<std::size_t>(vertex)].IsRoot[side] &&
-        (positive ? value > 0.0 : value < 0.0);
-    };
-    for (std::size_t i = 0; i < polygon.size(); ++i)
-    {
-      const Index from = polygon[i];
-      const Index to = polygon[(i + 1) % polygon.size()];
-      if (isIn(from))
+      // On the border; it stays if the polygon goes on inside.
+      const Index before = polygon[(i + polygon.size() - 1) % polygon.size()];
+      if (isIn(before) || isIn(to))
       {
         inside.push_back(from);
       }
-      else if (this->V[static_cast<std::size_t>(from)].IsRoot[side])
-      {
-        // On the border; it stays if the polygon goes on inside.
-        const Index before = polygon[(i + polygon.size() - 1) % polygon.size()];
-        if (isIn(before) || isIn(to))
-        {
-          inside.push_back(from);
-        }
-      }
-      const auto isRoot = [&](Index v)
-      { return this->V[static_cast<std::size_t>(v)].IsRoot[side]; };
-      if (isIn(from) != isIn(to) && !isRoot(from) && !isRoot(to))
-      {
-        inside.push_back(this->Root(from, to, side));
-      }
     }
-    return inside.size() > 2 ? inside : std::vector<Index>();
+    const auto isRoot = [&](Index v) { return this->V[static_cast<std::size_t>(v)].IsRoot[side]; };
+    if (isIn(from) != isIn(to) && !isRoot(from) && !isRoot(to))
+    {
+      inside.push_back(this->Root(from, to, side));
+    }
   }
+  return inside.size() > 2 ? inside : std::vector<Index>();
+}
 
-  /// The zero of a determinant on an edge, the same from whichever cell.
-  Index Root(Index a, Index b, std::size_t side)
+JacobianCreaseExtraction::Index JacobianCreaseExtraction::Root(Index a, Index b, std::size_t side)
+{
+  if (this->V[static_cast<std::size_t>(b)].At < this->V[static_cast<std::size_t>(a)].At)
   {
-    if (this->V[static_cast<std::size_t>(b)].At < this->V[static_cast<std::size_t>(a)].At)
-    {
-      std::swap(a, b);
-    }
-    const auto [found, isNew] = this->RootOn.emplace(std::make_tuple(a, b, side), Index{ 0 });
-    if (!isNew)
-    {
-      return found->second;
-    }
-    const Vertex low = this->V[static_cast<std::size_t>(a)];
-    const Vertex high = this->V[static_cast<std::size_t>(b)];
-    const auto at = [&](double t)
-    {
-      Parameter p = low.At;
-      for (std::size_t d = 0; d < 3; ++d)
-      {
-        p[d] += t * (high.At[d] - low.At[d]);
-      }
-      return p;
-    };
-    // Illinois, a bracketed secant method.
-    double t0 = 0.0;
-    double t1 = 1.0;
-    double f0 = low.Values[side];
-    double f1 = high.Values[side];
-    double t = f0 == 0.0 ? 0.0 : 1.0;
-    for (int i = 0; i < 100 && f0 != 0.0 && f1 != 0.0 && t1 - t0 > 1e-16; ++i)
-    {
-      t = t0 + (t1 - t0) * f0 / (f0 - f1);
-      const double f = this->Value(side, at(t));
-      if (f == 0.0)
-      {
-        break;
-      }
-      if ((f < 0.0) == (f1 < 0.0))
-      {
-        t1 = t;
-        f1 = f;
-        f0 *= 0.5;
-      }
-      else
-      {
-        t0 = t;
-        f0 = f;
-        f1 *= 0.5;
-      }
-    }
-    std::array<bool, 2> isRoot = { low.IsRoot[0] && high.IsRoot[0],
-      low.IsRoot[1] && high.IsRoot[1] };
-    isRoot[side] = true;
-    // Where the map is smooth but for its speed both vanish together: no slivers of round-off.
-    const std::size_t other = 1 - side;
-    isRoot[other] = isRoot[other] ||
-      std::abs(this->Value(other, at(t))) <=
-        Coincidence * std::max(std::abs(low.Values[other]), std::abs(high.Values[other]));
-    const Index root = this->AddVertex(at(t), isRoot);
-    this->V[static_cast<std::size_t>(root)].IsRoot[side] = true;
-    found->second = root;
-    return root;
+    std::swap(a, b);
   }
-
-  void Fill()
+  const auto [found, isNew] = this->RootOn.emplace(std::make_tuple(a, b, side), Index{ 0 });
+  if (!isNew)
   {
-    std::vector<Eigen::Vector3d> parameters;
-    std::vector<Eigen::Vector3d> points;
-    std::vector<Eigen::Vector3d> normals;
-    std::vector<Triangle> triangles;
-    std::vector<Eigen::Vector3i> elements;
-    for (std::size_t region = 0; region < 2; ++region)
-    {
-      std::map<Index, Index> used;
-      const auto use = [&](Index vertex)
-      {
-        const auto [found, isNew] = used.emplace(vertex, static_cast<Index>(parameters.size()));
-        if (isNew)
-        {
-          const Parameter& at = this->V[static_cast<std::size_t>(vertex)].At;
-          Eigen::Vector3d point;
-          Eigen::Matrix3d J;
-          this->Geometry.EvaluateWithDerivatives(1, at.data(), point.data(), J.data());
-          const Eigen::Vector3d normal = J.col(Column(this->B)).cross(J.col(Column(this->C)));
-          parameters.emplace_back(at[0], at[1], at[2]);
-          points.push_back(point);
-          normals.push_back((region == 0 ? -1.0 : 1.0) * normal.stableNormalized());
-          this->Source.push_back(vertex);
-        }
-        return found->second;
-      };
-      for (const auto& [triangle, element] : this->Pieces[region])
-      {
-        Triangle t{ use(triangle[0]), use(triangle[1]), use(triangle[2]) };
-        if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
-        {
-          continue;
-        }
-        if (region == 0)
-        {
-          std::swap(t[1], t[2]);
-        }
-        triangles.push_back(t);
-        Eigen::Vector3i at;
-        at[Column(this->D)] = static_cast<int>(this->Below.Knots()[this->D].Spans().size()) - 1;
-        at[Column(this->B)] = static_cast<int>(element[0]);
-        at[Column(this->C)] = static_cast<int>(element[1]);
-        elements.push_back(at);
-      }
-    }
-    const auto n = static_cast<Eigen::Index>(parameters.size());
-    const auto columns = [](const auto& from)
-    { return from.empty() ? nullptr : from.front().data(); };
-    this->Result.Parameters = Eigen::Map<const Eigen::Matrix3Xd>(columns(parameters), 3, n);
-    this->Result.Points = Eigen::Map<const Eigen::Matrix3Xd>(columns(points), 3, n);
-    this->Result.Normals = Eigen::Map<const Eigen::Matrix3Xd>(columns(normals), 3, n);
-    const auto cells = static_cast<Eigen::Index>(triangles.size());
-    this->Result.Elements = Eigen::Map<const Eigen::Matrix3Xi>(columns(elements), 3, cells);
-    this->Result.Triangles =
-      Eigen::Map<const Eigen::Matrix<Index, 3, Eigen::Dynamic>>(columns(triangles), 3, cells);
+    return found->second;
   }
-
-  static Eigen::Index Column(std::size_t d) { return static_cast<Eigen::Index>(d); }
-
-  /// The exact point that the middle of an edge stands for: where both ends are zeros of a
-  /// determinant that is the zero beside it.
-  [[nodiscard]] Eigen::Vector3d Exact(Index a, Index b) const
+  const Vertex low = this->V[static_cast<std::size_t>(a)];
+  const Vertex high = this->V[static_cast<std::size_t>(b)];
+  const auto at = [&](double t)
   {
-    const Vertex& from = this->V[static_cast<std::size_t>(a)];
-    const Vertex& to = this->V[static_cast<std::size_t>(b)];
-    Eigen::Vector3d middle;
+    Parameter p = low.At;
     for (std::size_t d = 0; d < 3; ++d)
     {
-      middle[Column(d)] = 0.5 * (from.At[d] + to.At[d]);
+      p[d] += t * (high.At[d] - low.At[d]);
     }
-    for (std::size_t side = 0; side < 2; ++side)
-    {
-      if (from.IsRoot[side] && to.IsRoot[side])
-      {
-        double value = 0.0;
-        Eigen::Vector3d gradient;
-        this->Sides[side].EvaluateWithGradient(1, middle.data(), &value, gradient.data());
-        gradient[Column(this->D)] = 0.0;
-        const double square = gradient.squaredNorm();
-        if (square > 0.0)
-        {
-          middle -= value / square * gradient;
-        }
-      }
-    }
-    Eigen::Vector3d point;
-    this->Geometry.Evaluate(1, middle.data(), point.data());
-    return point;
-  }
-
-  void Measure()
+    return p;
+  };
+  // Illinois, a bracketed secant method.
+  double t0 = 0.0;
+  double t1 = 1.0;
+  double f0 = low.Values[side];
+  double f1 = high.Values[side];
+  double t = f0 == 0.0 ? 0.0 : 1.0;
+  for (int i = 0; i < 100 && f0 != 0.0 && f1 != 0.0 && t1 - t0 > 1e-16; ++i)
   {
-    for (Eigen::Index t = 0; t < this->Result.Triangles.cols(); ++t)
+    t = t0 + (t1 - t0) * f0 / (f0 - f1);
+    const double f = this->Value(side, at(t));
+    if (f == 0.0)
     {
-      for (Eigen::Index i = 0; i < 3; ++i)
-      {
-        const Index a = this->Result.Triangles(i, t);
-        const Index b = this->Result.Triangles((i + 1) % 3, t);
-        const Eigen::Vector3d middle =
-          0.5 * (this->Result.Points.col(a) + this->Result.Points.col(b));
-        const Eigen::Vector3d exact = this->Exact(
-          this->Source[static_cast<std::size_t>(a)], this->Source[static_cast<std::size_t>(b)]);
-        this->Result.LargestError = std::max(this->Result.LargestError, (middle - exact).norm());
-      }
+      break;
+    }
+    if ((f < 0.0) == (f1 < 0.0))
+    {
+      t1 = t;
+      f1 = f;
+      f0 *= 0.5;
+    }
+    else
+    {
+      t0 = t;
+      f0 = f;
+      f1 *= 0.5;
     }
   }
-
-  const Spline& Below;
-  const Spline& Above;
-  std::size_t D, B, C; ///< the direction across, and those along the plane
-  int N;
-  double FeatureSize;
-  std::array<JacobianField, 2> Sides;
-  Evaluator Geometry;
-  std::array<std::vector<double>, 2> Breaks;
-  std::array<std::size_t, 2> Element{};
-  std::map<Parameter, Index> VertexAt;
-  std::map<std::tuple<Index, Index, std::size_t>, Index> RootOn;
-  std::vector<Vertex> V;
-  /// Triangles where det J is positive below the plane, and above it.
-  std::array<std::vector<std::pair<Triangle, std::array<std::size_t, 2>>>, 2> Pieces;
-  std::vector<Index> Source; ///< per point of the result: the vertex
-  JacobianCrease Result;
-};
-
+  std::array<bool, 2> isRoot = { low.IsRoot[0] && high.IsRoot[0], low.IsRoot[1] && high.IsRoot[1] };
+  isRoot[side] = true;
+  // Where the map is smooth but for its speed both vanish together: no slivers of round-off.
+  const std::size_t other = 1 - side;
+  isRoot[other] = isRoot[other] ||
+    std::abs(this->Value(other, at(t))) <=
+      Coincidence * std::max(std::abs(low.Values[other]), std::abs(high.Values[other]));
+  const Index root = this->AddVertex(at(t), isRoot);
+  this->V[static_cast<std::size_t>(root)].IsRoot[side] = true;
+  found->second = root;
+  return root;
 }
 
 JacobianCrease ExtractJacobianCrease(
@@ -539,7 +365,7 @@ JacobianCrease ExtractJacobianCrease(
   {
     throw Error("a knot plane is divided by a power of two, not by " + std::to_string(subdivision));
   }
-  return Extraction(below, above, direction, subdivision, featureSize).Make();
+  return JacobianCreaseExtraction(below, above, direction, subdivision, featureSize).Make();
 }
 
 }
