@@ -78,19 +78,21 @@ FunctionFields::FunctionFields(vtkImplicitFunction* function, const hyperpatch::
     throw hyperpatch::Error("there is no function to slice with: set SliceFunction");
   }
   this->IsBox = vtkBox::SafeDownCast(function) != nullptr;
-  if (model.Patches.empty())
+  // Without a patch the function is looked at all the same: all ranks find the same faults.
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double size = 1.0;
+  if (!model.Patches.empty())
   {
-    return;
+    const hyperpatch::Bounds bounds = hyperpatch::ControlPointBounds(model);
+    const Eigen::Vector3d low(bounds.Low.data());
+    const Eigen::Vector3d high(bounds.High.data());
+    centre = 0.5 * (low + high);
+    size = high != low ? (high - low).norm() : 1.0;
   }
-  const hyperpatch::Bounds bounds = hyperpatch::ControlPointBounds(model);
-  const Eigen::Vector3d low(bounds.Low.data());
-  const Eigen::Vector3d high(bounds.High.data());
-  const double size = (high - low).norm();
   const Polynomials polynomials = PolynomialsOf(function);
   for (const auto& value : polynomials.Values)
   {
-    auto quadric = hyperpatch::QuadricFromValues(
-      value, polynomials.AreLinear, 0.5 * (low + high), size > 0.0 ? size : 1.0);
+    auto quadric = hyperpatch::QuadricFromValues(value, polynomials.AreLinear, centre, size);
     if (!quadric)
     {
       throw hyperpatch::Error(

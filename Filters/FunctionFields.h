@@ -19,7 +19,6 @@ class vtkImplicitFunction;
 class FunctionFields
 {
 public:
-  /// \param hasModel whether there are patches here
   /// \throws hyperpatch::Error if there is no function, or its parameters are not finite or a
   /// plane's normal is 0
   FunctionFields(vtkImplicitFunction* function, const hyperpatch::MultiPatch& model);

@@ -72,8 +72,10 @@ show(s.NURBSContour(Input=pipe, ContourBy=['POINTS', 'Temperature'],
 glass(pipe)
 save('NURBSContour')
 
-clip = s.NURBSClip(Input=pipe, ClipType='Scalar', Scalars=['POINTS', 'Temperature'], Value=120)
-show(clip, Representation='Surface With Edges', EdgeColor=[0.2, 0.2, 0.3])
+clip = s.NURBSClip(Input=pipe)
+clip.ClipType.Origin = [1.5, 1.5, 0]
+clip.ClipType.Normal = [0, 0, 1]
+show(clip)
 glass(pipe)
 save('NURBSClip')
 
