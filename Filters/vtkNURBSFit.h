@@ -14,7 +14,8 @@
  * see SampleParameters for a structured one. A direction with one point is not there.
  *
  * Output 0: vtkPartitionedDataSetCollection, the control lattices, see NURBSConversion.h. Fits that
- * have the knots of the geometry share its lattice, others are datasets of their own.
+ * have the knots of the geometry share its lattice, others are datasets of their own. Faces that
+ * coincide, of a closed grid or of neighbouring blocks, are interfaces.
  *
  * Output 1: vtkTable, one row for every fit (empty on processes other than the first). The same
  * columns are field data of output 0.

@@ -437,6 +437,34 @@ TEST(Fit, BlocksArePatches)
   EXPECT_EQ(model.Patches[1].Id, 2);
 }
 
+TEST(Fit, FacesThatCoincideAreInterfaces)
+{
+  // A closed ring, whose last layer along v is the first one, and a box above another.
+  vtkNew<vtkStructuredGrid> ring;
+  ring->SetDimensions(5, 13, 4);
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (int i = 0; i < 5 * 13 * 4; ++i)
+  {
+    const double r = 1.0 + 0.2 * (i % 5);
+    const double angle = HalfPi * (i / 5 % 13 % 12) / 3.0;
+    points->InsertNextPoint(r * std::cos(angle), r * std::sin(angle), 0.1 * (i / 65));
+  }
+  ring->SetPoints(points);
+  const MultiPatch closed = Fit(ring).Update();
+  ASSERT_EQ(closed.Interfaces.size(), 1u);
+  EXPECT_EQ(closed.Interfaces[0].Values, (std::array<int, 10>{ 0, 3, 0, 4, 0, 1, 2, 1, 1, 1 }));
+
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  blocks->SetBlock(0, Image());
+  const auto above = Image();
+  above->SetOrigin(0.5, -0.25, 1.0 + 8 * 0.2);
+  blocks->SetBlock(1, above);
+  const MultiPatch tower = Fit(blocks).Update();
+  ASSERT_EQ(tower.Interfaces.size(), 1u);
+  EXPECT_EQ(tower.Interfaces[0].Values, (std::array<int, 10>{ 0, 6, 1, 5, 0, 1, 2, 1, 1, 1 }));
+}
+
 TEST(Fit, ArraysAreChosenByName)
 {
   const auto image = Image();
