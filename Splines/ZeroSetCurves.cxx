@@ -270,12 +270,8 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Node& low, int size, int
   return face;
 }
 
-bool ZeroSet::Worker::IsDrawn(const Leaf& leaf, int normal, bool high) const
+bool ZeroSet::Worker::IsFlat(const Leaf& leaf, int normal, bool high) const
 {
-  if ((leaf.Flat >> (2 * normal + (high ? 1 : 0)) & 1u) == 0)
-  {
-    return false;
-  }
   const auto& [low, size] = leaf.At;
   for (int c = 0; c < 8; ++c)
   {
@@ -289,6 +285,11 @@ bool ZeroSet::Worker::IsDrawn(const Leaf& leaf, int normal, bool high) const
     }
   }
   return true;
+}
+
+bool ZeroSet::Worker::IsDrawn(const Leaf& leaf, int normal, bool high) const
+{
+  return (leaf.Flat >> (2 * normal + (high ? 1 : 0)) & 1u) != 0 && this->IsFlat(leaf, normal, high);
 }
 
 void ZeroSet::Worker::TraceFlat(const Node& low, int size, int normal)

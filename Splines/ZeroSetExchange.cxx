@@ -539,6 +539,72 @@ void ZeroSetGroup::Worker::ExchangeCurves()
   }
 }
 
+void ZeroSetGroup::Worker::CountTouches()
+{
+  // A face between two parts on which f is 0 is drawn by the negative side. Where both are positive
+  // nobody draws it, and both count it.
+  std::vector<double> records;
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
+  {
+    const Engine& engine = this->At(m);
+    for (const Engine::Leaf& leaf : engine.Leaves)
+    {
+      for (const ZeroSetLink& link : this->Topology.Links(this->PartOf(m)))
+      {
+        const int normal = link.Side / 2;
+        const auto n = static_cast<std::size_t>(normal);
+        const int line = link.Line - this->Part(m).FirstLine[n];
+        const bool high = line != leaf.At.Low[n];
+        if (!engine.IsFlat(leaf, normal, high) ||
+          line != leaf.At.Low[n] + (high ? leaf.At.Size : 0))
+        {
+          continue;
+        }
+        records.insert(
+          records.end(), { static_cast<double>(link.Number), link.IsFirst ? 1.0 : 0.0 });
+        for (int d = 0; d < 3; ++d)
+        {
+          const int low = leaf.At.Low[static_cast<std::size_t>(d)];
+          const double middle = 0.5 * (engine.Line(d, low) + engine.Line(d, low + leaf.At.Size));
+          records.push_back(this->Topology.ToClass(this->Part(m), d, middle));
+        }
+      }
+    }
+  }
+  records = this->OfAll.All(records);
+  for (ZeroSetRecord r(records); !r.IsAtEnd();)
+  {
+    const int number = r.Integer();
+    const bool isFirst = r.Number() != 0.0;
+    const std::array<double, 3> at = r.Numbers<3>();
+    for (std::size_t m = 0; m < this->Members.size(); ++m)
+    {
+      for (const ZeroSetLink& link : this->Topology.Links(this->PartOf(m)))
+      {
+        if (link.Number != number || link.IsFirst == isFirst)
+        {
+          continue;
+        }
+        // A little inside of the face.
+        const Engine& engine = this->At(m);
+        Eigen::Vector3d x;
+        for (int d = 0; d < 3; ++d)
+        {
+          const double own = this->Topology.FromClass(
+            this->Part(m), d, at[static_cast<std::size_t>(link.Axis[static_cast<std::size_t>(d)])]);
+          x[d] = std::clamp(own, engine.Low[d], engine.High[d]);
+        }
+        const int normal = link.Side / 2;
+        x[normal] = link.Side % 2 == 0 ? engine.Low[normal] + 0.25 * engine.Scale[normal]
+                                       : engine.High[normal] - 0.25 * engine.Scale[normal];
+        double value = 0.0;
+        this->Members[m].Field->Evaluate(1, x.data(), &value);
+        this->At(m).Certificate.UndecidedCells += value > 0.0 ? 1 : 0;
+      }
+    }
+  }
+}
+
 void ZeroSetGroup::Worker::CountOpenEdges()
 {
   // Edges are open only if no other side has them too: the other of an interface, or the same where

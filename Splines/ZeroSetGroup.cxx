@@ -403,6 +403,7 @@ bool ZeroSetGroup::Worker::Extract(const std::function<void(double, double)>& st
   }
   if (outcome == Outcome::Finished)
   {
+    this->CountTouches();
     this->CountOpenEdges();
   }
   return outcome == Outcome::Finished;

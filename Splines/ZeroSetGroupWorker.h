@@ -95,6 +95,7 @@ private:
   void ExchangeValues();
   void ExchangeVertices();
   void ExchangeCurves();
+  void CountTouches();
   void CountOpenEdges();
 
   [[nodiscard]] Engine& At(std::size_t member) const { return *this->ZeroSets[member]->W; }

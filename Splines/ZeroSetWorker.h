@@ -219,6 +219,8 @@ private:
   /// Of the surface in a face in which no node lies.
   /// \returns its number, or -1 where nothing of the surface is
   Index TraceFace(const Node& low, int size, int normal);
+  /// Whether f is 0 on a face of a leaf and positive inside, by its corners.
+  [[nodiscard]] bool IsFlat(const Leaf& leaf, int normal, bool high) const;
   /// Whether a leaf draws the face on which f is 0: where signs at corners do not show it.
   [[nodiscard]] bool IsDrawn(const Leaf& leaf, int normal, bool high) const;
   void TraceFlat(const Node& low, int size, int normal);

@@ -4,6 +4,7 @@
 #include "Primitives.h"
 #include "QuadricField.h"
 #include "Splines/Models.h"
+#include "Splines/Weld.h"
 #include "ZeroSetGroup.h"
 
 #include <Eigen/Geometry>
@@ -20,6 +21,8 @@
 #include <thread>
 
 using namespace hyperpatch;
+using models::Weld;
+using models::Welded;
 
 namespace
 {
@@ -213,72 +216,6 @@ Drawn Draw(const MultiPatch& model, const MakeField& makeField, double tolerance
   return Draw(patches, model.Interfaces, makeField, tolerance);
 }
 
-/// Meshes welded where coordinates have the same bits.
-struct Welded
-{
-  long Open = 0;  ///< edges without a partner of the opposite direction
-  long Twice = 0; ///< edges used more than once in a direction
-  long Euler = 0; ///< vertices - edges + triangles
-  double Area = 0.0;
-  std::set<std::array<double, 3>> Points;
-  Eigen::AlignedBox3d OpenBox;
-};
-
-Welded Weld(const std::vector<ZeroSetMesh>& meshes)
-{
-  Welded welded;
-  std::map<std::array<double, 3>, long> numbers;
-  std::map<std::pair<long, long>, int> edges;
-  std::vector<Eigen::Vector3d> at;
-  std::set<long> used;
-  long triangles = 0;
-  for (const ZeroSetMesh& mesh : meshes)
-  {
-    for (Eigen::Index c = 0; c < mesh.Cells.cols(); ++c)
-    {
-      std::array<long, 3> corner{};
-      std::array<Eigen::Vector3d, 3> x;
-      for (std::size_t k = 0; k < 3; ++k)
-      {
-        x[k] = mesh.Points.col(mesh.Cells(static_cast<Eigen::Index>(k), c));
-        const auto [found, isNew] =
-          numbers.try_emplace({ x[k][0], x[k][1], x[k][2] }, static_cast<long>(numbers.size()));
-        corner[k] = found->second;
-        if (isNew)
-        {
-          at.push_back(x[k]);
-        }
-      }
-      welded.Area += 0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm();
-      ++triangles;
-      for (std::size_t k = 0; k < 3; ++k)
-      {
-        used.insert(corner[k]);
-        ++edges[{ corner[k], corner[(k + 1) % 3] }];
-      }
-    }
-  }
-  long undirected = 0;
-  for (const auto& [edge, count] : edges)
-  {
-    const auto partner = edges.find({ edge.second, edge.first });
-    welded.Twice += count > 1 ? 1 : 0;
-    if (partner == edges.end())
-    {
-      ++welded.Open;
-      welded.OpenBox.extend(at[static_cast<std::size_t>(edge.first)]);
-      welded.OpenBox.extend(at[static_cast<std::size_t>(edge.second)]);
-    }
-    undirected += edge.first < edge.second || partner == edges.end() ? 1 : 0;
-  }
-  welded.Euler = static_cast<long>(used.size()) - undirected + triangles;
-  for (const auto& entry : numbers)
-  {
-    welded.Points.insert(entry.first);
-  }
-  return welded;
-}
-
 void ExpectNoCrack(const ZeroSetCertificate& certificate)
 {
   EXPECT_EQ(certificate.OpenEdgesInside, 0);
@@ -458,6 +395,39 @@ TEST(ZeroSetGroup, PatchesWithSmallGapsCloseEvenWhereSignsDifferOnBothSides)
     EXPECT_EQ(welded.Open, drawn.Certificate.OpenEdgesOnBoundary) << seed;
     EXPECT_EQ(drawn.Certificate.OpenEdgesInside, 0) << seed;
     EXPECT_EQ(drawn.Certificate.OpenEdgesOnInterfaces, 0) << seed;
+  }
+}
+
+TEST(ZeroSetGroup, ATouchOnAnInterfaceIsUndecided)
+{
+  // |x - 1/2| in two boxes: zero on their common face, positive on both sides.
+  const KnotVector k = KnotVector::Uniform(1, 2);
+  MultiPatch model;
+  for (int p = 0; p < 2; ++p)
+  {
+    Eigen::MatrixXd points(3, 8);
+    Eigen::MatrixXd values(1, 8);
+    for (int i = 0; i < 8; ++i)
+    {
+      points.col(i) << 0.5 * (p + i % 2), i / 2 % 2, i / 4;
+      values(0, i) = std::abs(points(0, i) - 0.5);
+    }
+    model.Patches.push_back(
+      { p, Aggregate(Spline({ k, k, k }, points), { { "A", Spline({ k, k, k }, values) } }) });
+  }
+  model.Interfaces = FindInterfaces(model, 1e-9);
+  ASSERT_EQ(model.Interfaces.size(), 1u);
+  const Drawn touch = Draw(model, Isosurface(0.0), 1e-2);
+  EXPECT_EQ(Weld(touch.Meshes).Area, 0.0);
+  EXPECT_GE(touch.Certificate.UndecidedCells, 2);
+  // A plane in the face is drawn once, whichever side its normal points to.
+  for (const double sign : { 1.0, -1.0 })
+  {
+    const Drawn plane =
+      Draw(model, Slice(Plane(Eigen::Vector3d(sign, 0, 0), Eigen::Vector3d(0.5, 0, 0))), 1e-2);
+    EXPECT_NEAR(Weld(plane.Meshes).Area, 1.0, 1e-14);
+    EXPECT_EQ(plane.Certificate.UndecidedCells, 0);
+    EXPECT_EQ(plane.Certificate.OpenEdgesInside, 0);
   }
 }
 
