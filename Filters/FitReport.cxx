@@ -10,6 +10,7 @@
 #include "vtkStringArray.h"
 
 #include <algorithm>
+#include <cmath>
 
 using hyperpatch::Interval;
 
@@ -32,12 +33,13 @@ void FitReport::CertifyJacobian(
   {
     row.Invalid += element.Verdict == -1;
     row.Undecided += element.Verdict == 0;
-    const Interval least = validity.Handedness < 0
+    const Interval bounds = validity.Handedness < 0
       ? Interval{ -element.Maximum->High, -element.Maximum->Low }
       : *element.Minimum;
-    // The second one: what is not a number stays so.
-    row.Jacobian.Low = row.Jacobian.Low < least.Low ? row.Jacobian.Low : least.Low;
-    row.Jacobian.High = row.Jacobian.High < least.High ? row.Jacobian.High : least.High;
+    const auto lesser = [](double least, double value)
+    { return std::isnan(least) || least < value ? least : value; };
+    row.Jacobian.Low = lesser(row.Jacobian.Low, bounds.Low);
+    row.Jacobian.High = lesser(row.Jacobian.High, bounds.High);
   }
 }
 

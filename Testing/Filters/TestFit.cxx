@@ -311,6 +311,25 @@ TEST(Fit, FoldedGridsAreReported)
   EXPECT_LT(fit.Reported("JacobianUpper"), 0.0);
 }
 
+TEST(Fit, DeterminantsThatVanishAreNoNumbers)
+{
+  // Volumes of 1e-360 are zero: nothing is certain but that.
+  const auto ring = Ring();
+  vtkPoints* points = ring->GetPoints();
+  for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i)
+  {
+    double x[3];
+    points->GetPoint(i, x);
+    points->SetPoint(i, 1e-120 * x[0], 1e-120 * x[1], 1e-120 * x[2]);
+  }
+  Fit fit(ring);
+  EXPECT_EQ(fit.Update().Patches.size(), 1u);
+  EXPECT_LE(fit.Reported("RelativeError"), 1e4 * Epsilon);
+  EXPECT_EQ(fit.Reported("InvalidElements"), 0);
+  EXPECT_GT(fit.Reported("UndecidedElements"), 0);
+  EXPECT_FALSE(fit.Reported("JacobianLower") > 0.0);
+}
+
 TEST(Fit, LeastSquaresCompressesToControlPointsOrTarget)
 {
   const auto ring = Ring();
