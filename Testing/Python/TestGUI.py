@@ -9,6 +9,7 @@ import common
 import gui
 
 MODEL = os.path.basename(common.PIPE)
+CLIP_TYPE = gui.PANEL + '/ClipType/ProxySelectionWidget/comboBox'
 PLANE = (gui.PANEL +
          '/SliceType/ProxySelectionWidget/frame/ChosenProxyWidget/InteractivePlane')
 TOLERANCE = gui.PANEL + '/Tolerance/DoubleRangeWidget/DoubleLineEdit'
@@ -134,6 +135,37 @@ class GUI(unittest.TestCase):
                        f"json.dump(pipeline, open({session.path('replayed')!r}, 'w'))\n")
         subprocess.run([common.PVPYTHON, script], check=True, timeout=gui.TIMEOUT)
         return session.load('replayed')
+
+    def test_panels_of_contour_and_clip_show_what_applies(self):
+        session = self.session()
+        session.load_plugin()
+        session.open(common.PIPE, several_readers=True)
+        session.apply()
+
+        def expect(**visible):
+            for name, is_visible in visible.items():
+                session.check(f'{gui.PANEL}/{name}', 'visible', str(is_visible).lower())
+
+        session.filter('NURBSContour')
+        session.event(gui.PANEL + '/ContourBy/ComboBox', 'set_string', 'Temperature (partial)')
+        expect(ContourBy=True, Component=False)
+        session.event(gui.PANEL + '/ContourOf/ComboBox', 'set_string', 'Coordinates')
+        expect(ContourBy=False, Component=True)
+        session.event(gui.PANEL + '/ContourOf/ComboBox', 'set_string', 'Jacobian Determinant')
+        expect(ContourBy=False, Component=False)
+        session.python('simple.Delete(simple.GetActiveSource())\n' + SELECT_MODEL)
+        session.filter('NURBSClip')
+        expect(ClipBy=False, Scalars=False, Component=False, Value=False, Invert=True)
+        session.event(CLIP_TYPE, 'set_string', 'Scalar')
+        session.event(gui.PANEL + '/Scalars/ComboBox', 'set_string', 'Temperature (partial)')
+        expect(ClipBy=True, Scalars=True, Component=False, Value=True)
+        session.event(gui.PANEL + '/ClipBy/ComboBox', 'set_string', 'Parametric Coordinates')
+        expect(Scalars=False, Component=True, Value=True)
+        session.event(CLIP_TYPE, 'set_string', 'Sphere')
+        expect(ClipBy=False, Scalars=False, Component=False, Value=False)
+        session.apply()
+        session.python(f'record(cells={CELLS})')
+        self.assertGreater(session.play()['cells'], 100)
 
     def test_controls_that_do_not_apply_are_hidden(self):
         session = self.session()
