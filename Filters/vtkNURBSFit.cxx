@@ -230,15 +230,27 @@ private:
     Spline spline = make();
     const FitError error =
       hyperpatch::MeasureError(spline, grid.Sites, MakeReader(array), parallelFor);
-    if (this->Self->Method == INTERPOLATE && error.Maximum > 1e-9 * range && range > 0.0)
+    if (this->Self->Method == INTERPOLATE && error.Maximum > 1e-9 * range)
     {
-      vtkWarningWithObjectMacro(this->Self,
-        "the interpolant of " << name << " misses samples by " << error.Maximum / range
-                              << " of their range, by rounding: its control points are far away. "
-                                 "Take a lower degree, or samples that are more evenly spaced");
+      this->WarnOfRounding(array, name, error.Maximum, range);
     }
     this->Report->Add(this->PatchId, name, spline, error, range);
     return spline;
+  }
+
+  /// Samples that are large beside their range have rounding errors of that size themselves.
+  void WarnOfRounding(
+    vtkDataArray* array, const std::string& name, double error, double range) const
+  {
+    double ends[2];
+    array->GetFiniteRange(ends, -1);
+    if (error > 1e-12 * std::max(std::abs(ends[0]), std::abs(ends[1])))
+    {
+      vtkWarningWithObjectMacro(this->Self,
+        "the interpolant of " << name << " misses samples by " << error / range
+                              << " of their range, by rounding: its control points are far away. "
+                                 "Take a lower degree, or samples that are more evenly spaced");
+    }
   }
 
   template <typename Next>
