@@ -26,7 +26,8 @@
  *   patch's knots (cubic length per cubic parameter), no further apart than Tolerance times the
  *   greatest |det J| of the element.
  * - with ScaledTolerance > 0, `ScaledJacobianLower`, `ScaledJacobianUpper`: enclosure of the least
- *   det J / (|P_u| |P_v| |P_w|), times the handedness: 1 is orthogonal.
+ *   det J / (|P_u| |P_v| |P_w|), times the handedness: 1 is orthogonal. An element is halved into
+ *   4000 boxes at most, 1000 for its scaled Jacobian; Notes tell where bounds stay wider.
  * - with CondeTorres, `CondeTorres`: 1 the element passes the condition of Conde & Torres 2001, 0
  *   it does not. A label for comparison, which neither proves nor refutes validity.
  *
