@@ -67,9 +67,9 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
     members.push_back({ task.On.Patch.get(), task.On.Body, task.Field.get(),
       task.Value + MostValues * field, std::move(options) });
   }
+  const int rank = this->GetController() ? this->GetController()->GetLocalProcessId() : 0;
   hyperpatch::ZeroSetGroup group(members, this->Interfaces,
-    { this->GetController() ? this->GetController()->GetLocalProcessId() : 0,
-      [this](const std::vector<double>& records) { return this->AllGather(records); } },
+    { rank, [this](const std::vector<double>& records) { return this->AllGather(records); } },
     this->KernelParallelFor());
   group.Extract([this](double begin, double end) { this->SetProgressRange(begin, end); });
 
@@ -94,7 +94,7 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
     output.MergePoints(before);
   }
 
-  const hyperpatch::ZeroSetCertificate certificate = group.Certificate();
+  const hyperpatch::ZeroSetCertificate certificate = group.TotalCertificate();
   FieldNumbers::AddCount(fieldData, "CertifiedCells", certificate.CertifiedCells);
   FieldNumbers::AddCount(fieldData, "UndecidedCells", certificate.UndecidedCells);
   FieldNumbers::AddNumber(fieldData, "LargestResidual", certificate.LargestResidual);
@@ -103,6 +103,10 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   FieldNumbers::AddCount(fieldData, "OpenEdgesOnBoundary", certificate.OpenEdgesOnBoundary);
   FieldNumbers::AddCount(fieldData, "OpenEdgesOnInterfaces", certificate.OpenEdgesOnInterfaces);
   FieldNumbers::AddCount(fieldData, "OpenEdgesInside", certificate.OpenEdgesInside);
+  if (rank > 0)
+  {
+    return;
+  }
   if (!certificate.ToleranceReached && certificate.LargestError <= tolerances.Position &&
     certificate.LargestAttributeError <= 1.0)
   {

@@ -23,8 +23,7 @@
  *   other interfaces, and on cuts whose other side is not there
  * - `OpenEdgesInside`: the same anywhere else. These are cracks; there are none where nothing is
  *   undecided.
- * In a parallel run each process has those of its part; edges that meet their partner on another
- * one are not open.
+ * In a parallel run all processes have the numbers of the whole.
  *
  * Points on interfaces and creases occur once per side, with the same bits in their coordinates and
  * the ParametricCoordinates, normal and attributes of their side; MergePoints joins them.

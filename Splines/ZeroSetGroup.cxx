@@ -524,4 +524,30 @@ ZeroSetCertificate ZeroSetGroup::Certificate() const
   return all;
 }
 
+ZeroSetCertificate ZeroSetGroup::TotalCertificate() const
+{
+  const ZeroSetCertificate own = this->Certificate();
+  const std::vector<double> records = this->W->Gathered(
+    { static_cast<double>(own.CertifiedCells), static_cast<double>(own.UndecidedCells),
+      own.LargestResidual, own.LargestError, own.LargestAttributeError,
+      own.ToleranceReached ? 1.0 : 0.0, static_cast<double>(own.OpenEdgesOnBoundary),
+      static_cast<double>(own.OpenEdgesOnInterfaces), static_cast<double>(own.OpenEdgesInside) });
+  ZeroSetCertificate all;
+  for (ZeroSetRecord r(records); !r.IsAtEnd();)
+  {
+    ZeroSetCertificate one;
+    one.CertifiedCells = static_cast<std::int64_t>(r.Number());
+    one.UndecidedCells = static_cast<std::int64_t>(r.Number());
+    one.LargestResidual = r.Number();
+    one.LargestError = r.Number();
+    one.LargestAttributeError = r.Number();
+    one.ToleranceReached = r.Number() != 0.0;
+    one.OpenEdgesOnBoundary = static_cast<std::int64_t>(r.Number());
+    one.OpenEdgesOnInterfaces = static_cast<std::int64_t>(r.Number());
+    one.OpenEdgesInside = static_cast<std::int64_t>(r.Number());
+    all.Add(one);
+  }
+  return all;
+}
+
 }

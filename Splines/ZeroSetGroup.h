@@ -73,6 +73,8 @@ public:
   [[nodiscard]] const ZeroSetMesh& Mesh(std::size_t member) const;
   /// Of all members here together.
   [[nodiscard]] ZeroSetCertificate Certificate() const;
+  /// Of all members on all ranks; all ranks must ask.
+  [[nodiscard]] ZeroSetCertificate TotalCertificate() const;
 
 private:
   class Worker;

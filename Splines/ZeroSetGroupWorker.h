@@ -64,6 +64,11 @@ public:
     ParallelFor parallelFor);
   bool Extract(const std::function<void(double, double)>& stage);
 
+  [[nodiscard]] std::vector<double> Gathered(const std::vector<double>& records) const
+  {
+    return this->OfAll.All(records);
+  }
+
   std::vector<std::unique_ptr<ZeroSet>> ZeroSets;
 
 private:

@@ -198,7 +198,7 @@ Drawn Draw(const std::vector<const Patch*>& patches, const std::vector<Interface
   }
   ZeroSetGroup group(members, interfaces, std::move(ranks), std::move(parallelFor));
   EXPECT_TRUE(group.Extract());
-  Drawn drawn{ {}, group.Certificate() };
+  Drawn drawn{ {}, group.TotalCertificate() };
   for (std::size_t m = 0; m < members.size(); ++m)
   {
     drawn.Meshes.push_back(group.Mesh(m));
@@ -612,7 +612,7 @@ TEST(ZeroSetGroup, RanksGiveWhatOneGives)
         }
         const Drawn drawn = Draw(patches, model.Interfaces, field, 1e-2, own);
         const std::lock_guard<std::mutex> lock(mutex);
-        certificate.Add(drawn.Certificate);
+        certificate = drawn.Certificate;
         for (std::size_t i = 0; i < which.size(); ++i)
         {
           meshes[which[i]] = drawn.Meshes[i];
@@ -671,7 +671,7 @@ TEST(ZeroSetGroup, PartsOfPatchesOnRanksGiveAClosedSphere)
         const Drawn drawn =
           Draw(patches, model.Interfaces, Slice(Sphere({ 0.52, 0.47, 0.5 }, 0.33)), 2e-3, own);
         const std::lock_guard<std::mutex> lock(mutex);
-        certificate.Add(drawn.Certificate);
+        certificate = drawn.Certificate;
         for (std::size_t i = 0; i < which.size(); ++i)
         {
           meshes[which[i]] = drawn.Meshes[i];
