@@ -208,7 +208,14 @@ private:
     std::vector<Eigen::Index> missing;
     if (this->Self->MissingSamples == LEAVE_OUT && !samples.allFinite())
     {
-      missing = hyperpatch::FillMissing(grid.Sizes, samples);
+      try
+      {
+        missing = hyperpatch::FillMissing(grid.Sizes, samples);
+      }
+      catch (const Error& error)
+      {
+        throw Error("the array " + name + ": " + error.what());
+      }
     }
     CheckSamples(array, samples, grid.Sizes);
     this->Self->ReportProgress(0.1);
@@ -296,9 +303,14 @@ private:
     Eigen::Matrix3Xd sites = points;
     if (static_cast<Eigen::Index>(kept.size()) < values.cols())
     {
-      if (this->Self->MissingSamples == REFUSE || kept.empty())
+      if (this->Self->MissingSamples == REFUSE)
       {
         CheckSamples(array, values);
+      }
+      if (kept.empty())
+      {
+        throw Error(
+          "the array " + std::string(array->GetName()) + ": no sample is a finite number");
       }
       for (std::size_t i = 0; i < kept.size(); ++i)
       {

@@ -527,6 +527,12 @@ TEST(Fit, MissingSamplesAreRefusedOrLeftOut)
     }
   }
 
+  wave->Fill(NAN);
+  image->Modified();
+  fit.ExpectError("the array Wave: no sample is a finite number");
+  fit.Filter->SetMethodToInterpolate();
+  fit.ExpectError("the array Wave: no sample is a finite number");
+
   const auto cloud = Cloud(100);
   cloud->GetPointData()->GetArray("Wave")->SetTuple1(7, NAN);
   Fit(cloud).ExpectError("not finite at point 7");
