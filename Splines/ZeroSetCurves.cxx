@@ -459,6 +459,11 @@ void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
           {
             const Index face = this->TraceFace(part, partSize, normal);
             this->FacesOfLeaf.push_back(2 * face + (high ? 1 : 0));
+            const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face)];
+            for (Index c = first; c < first + count && this->Leaves[leaf].Height >= 0; ++c)
+            {
+              this->Curves[static_cast<std::size_t>(c)].Heights |= 1u << this->Leaves[leaf].Height;
+            }
           });
       }
       if (this->Leaves[leaf].Flat != 0 && this->IsDrawn(this->Leaves[leaf], normal, high))
@@ -899,8 +904,9 @@ void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
       open.push_back(k);
     }
   }
-  // The axis along which points of the chord are moved onto the surface: the steepest at the ends,
-  // in the face itself where that is one of the domain or a crease.
+  // The axis along which points of the chord are moved onto the surface: in the face itself where
+  // that is one of the domain or a crease; one in which the surface is a graph, if there is one,
+  // best in the face; of those the steepest at the ends.
   std::vector<int> axisOf(n);
   {
     Eigen::Matrix3Xd ends(3, 2 * static_cast<Index>(open.size()));
@@ -917,9 +923,16 @@ void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
       const std::size_t k = open[o];
       const auto i = static_cast<Index>(2 * o);
       double best = -1.0;
+      const unsigned normal = 1u << curve(k).Normal;
+      const unsigned possible = ~((curve(k).IsOnCrease ? normal : 0u) |
+        (curve(k).EdgeAxis >= 0 ? 1u << curve(k).EdgeAxis : 0u));
+      const unsigned graphs = curve(k).Heights & possible;
+      const unsigned directions = (graphs & ~normal) != 0 ? graphs & ~normal
+        : graphs != 0                                     ? graphs
+                                                          : possible;
       for (const int d : this->Axes)
       {
-        if ((curve(k).IsOnCrease && d == curve(k).Normal) || d == curve(k).EdgeAxis)
+        if ((directions >> d & 1u) == 0)
         {
           continue;
         }

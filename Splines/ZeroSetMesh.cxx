@@ -23,42 +23,60 @@ unsigned ZeroSet::Worker::SidesOf(const std::array<Index, 2>& edge) const
   return sides;
 }
 
-void ZeroSet::Worker::FindOpenEdges(const std::vector<Index>& indices)
+std::vector<ZeroSet::Worker::CrowdedEdge> ZeroSet::Worker::FindOpenEdges()
 {
   // Inner points are of one piece, whose edges at them are shared by its own triangles.
   Numbering numbers;
-  std::vector<std::array<Index, 2>> edges;
-  std::vector<int> balance; // how often it goes up, less how often it goes down
-  for (std::size_t first = 0; first < indices.size(); first += 3)
+  struct Edge
   {
-    for (std::size_t k = 0; k < 3; ++k)
+    Index Low, High;
+    int Up, Down; ///< how often it is passed
+  };
+  std::vector<Edge> edges;
+  const bool isMirrored = this->Options.Handedness < 0;
+  for (const Facets& piece : this->Pieces)
+  {
+    for (const auto& cell : piece.Cells)
     {
-      const Index a = indices[first + k];
-      const Index b = indices[first + (k + 1) % 3];
-      // What has no length is open for nobody.
-      if (a >= 0 && b >= 0 && this->Shared.Points.col(a) != this->Shared.Points.col(b))
+      for (std::size_t k = 0; k < 3; ++k)
       {
-        const auto [low, high] = std::minmax(a, b);
-        const auto [number, isNew] =
-          numbers.Number({ static_cast<int>(low), static_cast<int>(high), 0, 0 });
-        if (isNew)
+        if (cell[k] < 0 || cell[(k + 1) % 3] < 0)
         {
-          edges.push_back({ low, high });
-          balance.push_back(0);
+          continue;
         }
-        balance[static_cast<std::size_t>(number)] += a < b ? 1 : -1;
+        const Index a = piece.Loops[static_cast<std::size_t>(cell[k])];
+        const Index b = piece.Loops[static_cast<std::size_t>(cell[(k + 1) % 3])];
+        // What has no length is open for nobody.
+        if (this->Shared.Points.col(a) != this->Shared.Points.col(b))
+        {
+          const auto [low, high] = std::minmax(a, b);
+          const auto [number, isNew] =
+            numbers.Number({ static_cast<int>(low), static_cast<int>(high), 0, 0 });
+          if (isNew)
+          {
+            edges.push_back({ low, high, 0, 0 });
+          }
+          Edge& edge = edges[static_cast<std::size_t>(number)];
+          ++((a < b) != isMirrored ? edge.Up : edge.Down);
+        }
       }
     }
   }
   this->OpenEdges.clear();
-  for (std::size_t e = 0; e < edges.size(); ++e)
+  std::vector<CrowdedEdge> crowded;
+  for (const Edge& edge : edges)
   {
-    for (int left = balance[e]; left != 0; left += left > 0 ? -1 : 1)
+    for (int left = edge.Up - edge.Down; left != 0; left += left > 0 ? -1 : 1)
     {
-      const auto& [low, high] = edges[e];
-      this->OpenEdges.push_back({ left > 0 ? low : high, left > 0 ? high : low });
+      this->OpenEdges.push_back(
+        { left > 0 ? edge.Low : edge.High, left > 0 ? edge.High : edge.Low });
+    }
+    if (std::max(edge.Up, edge.Down) > 1)
+    {
+      crowded.push_back({ { edge.Low, edge.High }, std::max(edge.Up, edge.Down) });
     }
   }
+  return crowded;
 }
 
 void ZeroSet::Worker::Assemble()
@@ -67,6 +85,11 @@ void ZeroSet::Worker::Assemble()
   this->Certificate.UndecidedCells = this->Undecided;
   this->Certificate.ToleranceReached = !this->WasCapped;
   const int axes = static_cast<int>(this->Axes.size());
+  this->OpenEdges.clear();
+  if (axes == 3)
+  {
+    this->PartSheets(this->FindOpenEdges());
+  }
   // Cells as shared points >= 0 or inner points of all pieces together < 0.
   std::vector<Index> indices;
   std::vector<std::size_t> leafOf; // per cell
@@ -133,11 +156,6 @@ void ZeroSet::Worker::Assemble()
       std::swap(
         indices[static_cast<std::size_t>(3 * c + 1)], indices[static_cast<std::size_t>(3 * c + 2)]);
     }
-  }
-  this->OpenEdges.clear();
-  if (axes == 3)
-  {
-    this->FindOpenEdges(indices);
   }
 
   // Shared points that are used, once per side of the creases they lie on.

@@ -122,6 +122,7 @@ private:
     Error Measured{};       ///< of its chords
     int Line = 0;           ///< where the face crosses the axis
     int EdgeAxis = -1;      ///< of the edge of boxes that it is, where two creases meet
+    unsigned Heights = 0;   ///< bits of the directions in which the surface is a graph beside it
   };
 
   /// The curvature of the surface around a point, as a graph over the two other directions.
@@ -263,6 +264,17 @@ private:
   bool FindLoops(std::size_t leaf, Scratch& scratch) const;
   void FillLoop(
     const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
+  /// An edge of more than two triangles: inside several leaves, or inside one and around others.
+  struct CrowdedEdge
+  {
+    std::array<Index, 2> Ends; ///< shared points
+    int Sheets;                ///< that have it
+  };
+  /// Gives sheets a point of their own on such an edge, so that they stay surfaces.
+  void PartSheets(std::vector<CrowdedEdge> edges);
+  /// \returns false where no triangle of the leaf is on the other side, or no point is found
+  bool SplitEdge(
+    std::size_t leaf, std::size_t cell, std::size_t side, double place, Scratch& scratch);
   bool FillSheet(
     const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
   /// How much is done to meet the tolerances: nothing; points added as long as not most triangles
@@ -314,8 +326,9 @@ private:
 
   // Mesh: ZeroSetMesh.cxx
   void Assemble();
-  /// The edges of cells that no other cell has on its other side.
-  void FindOpenEdges(const std::vector<Index>& indices);
+  /// The edges of cells that no other cell has on its other side, as they turn.
+  /// \returns those that more than two cells have
+  std::vector<CrowdedEdge> FindOpenEdges();
   /// Bits of the sides of the domain (0..5) that an edge of shared points lies in.
   [[nodiscard]] unsigned SidesOf(const std::array<Index, 2>& edge) const;
   void MendNormals();
