@@ -306,235 +306,204 @@ void ZeroSetGroup::Worker::ExchangeVertices()
   }
 }
 
-void ZeroSetGroup::Worker::ExchangeCurves()
+void ZeroSetGroup::Worker::FindCurve(
+  std::size_t member, const Engine::Curve& curve, std::vector<SeenCurve>& seen) const
 {
-  // A curve is known by its ends and, if it is no edge, by its plane.
-  using Key = std::array<int, 10>;
-  const auto keyOf = [](int part, int normal, ZeroSetPlace a, ZeroSetPlace b, bool& turned)
+  seen.clear();
+  const Engine& engine = this->At(member);
+  const int part = this->PartOf(member);
+  const auto placeOf = [&](Index v)
   {
-    turned = std::tie(b.Low, b.Axis) < std::tie(a.Low, a.Axis);
+    const Engine::Vertex& vertex = engine.Vertices[static_cast<std::size_t>(v)];
+    return this->ToAll(member, vertex.At, vertex.Axis, vertex.Size);
+  };
+  const auto add = [&seen](int where, int normal, ZeroSetPlace a, ZeroSetPlace b,
+                     const std::array<int, 3>& axis, int joint)
+  {
+    const bool turned = std::tie(b.Low, b.Axis) < std::tie(a.Low, a.Axis);
     if (turned)
     {
       std::swap(a, b);
     }
-    return Key{ part, normal, a.Low[0], a.Low[1], a.Low[2], a.Axis, b.Low[0], b.Low[1], b.Low[2],
-      b.Axis };
+    seen.push_back({ { where, normal, a.Low[0], a.Low[1], a.Low[2], a.Axis, b.Low[0], b.Low[1],
+                       b.Low[2], b.Axis },
+      turned, axis, joint });
   };
-  constexpr int Edge = 3;
-  struct Seen
+  const ZeroSetPlace from = placeOf(curve.From);
+  const ZeroSetPlace to = placeOf(curve.To);
+  if (curve.EdgeAxis >= 0)
   {
-    Key At;
-    bool Turned;
-  };
-  const auto see = [&](std::size_t m, const Engine::Curve& curve, std::vector<Seen>& seen)
+    // All around the edge; only the parameter along it counts.
+    const auto axis = static_cast<std::size_t>(curve.EdgeAxis);
+    const bool rises = from.Low < to.Low;
+    const int size = std::abs(to.Low[axis] - from.Low[axis]);
+    std::vector<ZeroSetParts::Seen> all;
+    this->Topology.FindAll(part, { rises ? from.Low : to.Low, curve.EdgeAxis, size }, all);
+    for (const ZeroSetParts::Seen& s : all)
+    {
+      constexpr int NoNormal = 3;
+      const ZeroSetPlace low{ s.At.Low, 3, 0 };
+      ZeroSetPlace high = low;
+      high.Low[static_cast<std::size_t>(s.At.Axis)] += size;
+      add(s.Part, NoNormal, rises ? low : high, rises ? high : low,
+        { s.At.Axis, s.At.Axis, s.At.Axis }, -1);
+    }
+    return;
+  }
+  // On the other side of its face.
+  add(part, curve.Normal, from, to, { 0, 1, 2 }, -1);
+  const int line =
+    curve.Line + this->Part(member).FirstLine[static_cast<std::size_t>(curve.Normal)];
+  for (const ZeroSetLink& link : this->Topology.Links(part))
   {
-    seen.clear();
-    const Engine& engine = this->At(m);
-    const int part = this->PartOf(m);
-    const auto placeOf = [&](Index v)
+    ZeroSetPlace a = from;
+    ZeroSetPlace b = to;
+    if (link.Side / 2 == curve.Normal && link.Line == line && this->Topology.Map(link, a) &&
+      this->Topology.Map(link, b))
     {
-      const Engine::Vertex& vertex = engine.Vertices[static_cast<std::size_t>(v)];
-      return this->ToAll(m, vertex.At, vertex.Axis, vertex.Size);
-    };
-    const ZeroSetPlace from = placeOf(curve.From);
-    const ZeroSetPlace to = placeOf(curve.To);
-    bool turned = false;
-    if (curve.EdgeAxis >= 0)
-    {
-      const auto axis = static_cast<std::size_t>(curve.EdgeAxis);
-      const int size = std::abs(to.Low[axis] - from.Low[axis]);
-      std::vector<ZeroSetParts::Seen> all;
-      this->Topology.FindAll(part, { std::min(from.Low, to.Low), curve.EdgeAxis, size }, all);
-      for (const ZeroSetParts::Seen& s : all)
-      {
-        ZeroSetPlace low{ s.At.Low, 3, 0 };
-        ZeroSetPlace high = low;
-        high.Low[static_cast<std::size_t>(s.At.Axis)] += size;
-        const bool rises = from.Low < to.Low;
-        const Key key = keyOf(s.Part, Edge, rises ? low : high, rises ? high : low, turned);
-        seen.push_back({ key, turned });
-      }
-      return;
+      add(link.Other, link.OtherSide / 2, a, b, link.Axis, link.Joint);
     }
-    const Key own = keyOf(part, curve.Normal, from, to, turned);
-    seen.push_back({ own, turned });
-    const int line = curve.Line + this->Part(m).FirstLine[static_cast<std::size_t>(curve.Normal)];
-    for (const ZeroSetLink& link : this->Topology.Links(part))
-    {
-      ZeroSetPlace a = from;
-      ZeroSetPlace b = to;
-      if (link.Side / 2 == curve.Normal && link.Line == line && this->Topology.Map(link, a) &&
-        this->Topology.Map(link, b))
-      {
-        const Key key = keyOf(link.Other, link.OtherSide / 2, a, b, turned);
-        seen.push_back({ key, turned });
-      }
-    }
-  };
+  }
+}
 
-  std::vector<double> records;
-  std::vector<Seen> seen;
-  for (std::size_t m = 0; m < this->Members.size(); ++m)
+void ZeroSetGroup::Worker::ForSharedCurves(std::size_t member,
+  const std::function<void(Engine::Curve&, const std::vector<SeenCurve>&)>& visit)
+{
+  Engine& engine = this->At(member);
+  std::vector<SeenCurve> seen;
+  for (std::size_t c = 0; c < engine.Curves.size(); ++c)
   {
-    const Engine& engine = this->At(m);
-    for (std::size_t c = 0; c < engine.Curves.size(); ++c)
+    if (engine.CurveOf[c] == static_cast<Index>(c) && engine.Curves[c].IsOnCrease)
     {
-      const Engine::Curve& curve = engine.Curves[c];
-      if (engine.CurveOf[c] != static_cast<Index>(c) || !curve.IsOnCrease)
+      this->FindCurve(member, engine.Curves[c], seen);
+      if (seen.size() > 1)
       {
-        continue;
-      }
-      see(m, curve, seen);
-      if (seen.size() < 2)
-      {
-        continue;
-      }
-      Append(records, seen[0].At);
-      records.insert(records.end(),
-        { curve.HasFailed ? 1.0 : 0.0, curve.Measured.Distance, static_cast<double>(curve.Count) });
-      for (Index i = 0; i < curve.Count; ++i)
-      {
-        const Index at = curve.First + (seen[0].Turned ? curve.Count - 1 - i : i);
-        for (int d = 0; d < 3; ++d)
-        {
-          records.push_back(
-            this->Topology.ToClass(this->Part(m), d, engine.Shared.Parameters(d, at)));
-        }
-        Append(records, engine.Shared.Points.col(at));
+        visit(engine.Curves[c], seen);
       }
     }
   }
-  records = this->OfAll.All(records);
-  struct Found
+}
+
+void ZeroSetGroup::Worker::ExchangeCurves()
+{
+  std::vector<double> records;
+  for (std::size_t m = 0; m < this->Members.size(); ++m)
   {
-    bool HasFailed;
-    double Error;
-    Index Count;
-    std::size_t Points; ///< where they are in the records
-  };
-  std::map<Key, Found> found;
+    const Engine& engine = this->At(m);
+    this->ForSharedCurves(m,
+      [&](const Engine::Curve& curve, const std::vector<SeenCurve>& seen)
+      {
+        Append(records, seen[0].Key);
+        records.insert(records.end(),
+          { curve.HasFailed ? 1.0 : 0.0, curve.Measured.Distance,
+            static_cast<double>(curve.Count) });
+        for (Index i = 0; i < curve.Count; ++i)
+        {
+          const Index at = curve.First + (seen[0].Turned ? curve.Count - 1 - i : i);
+          for (int d = 0; d < 3; ++d)
+          {
+            records.push_back(
+              this->Topology.ToClass(this->Part(m), d, engine.Shared.Parameters(d, at)));
+          }
+          Append(records, engine.Shared.Points.col(at));
+        }
+      });
+  }
+  records = this->OfAll.All(records);
+  std::map<CurveKey, FoundCurve> found;
   for (ZeroSetRecord r(records); !r.IsAtEnd();)
   {
-    Key key{};
+    CurveKey key{};
     for (int& k : key)
     {
       k = r.Integer();
     }
-    Found one{};
+    FoundCurve one{};
     one.HasFailed = r.Number() != 0.0;
     one.Error = r.Number();
     one.Count = r.Integer();
-    one.Points = r.Position();
+    one.Points = records.data() + r.Position();
     r.Skip(6 * static_cast<std::size_t>(one.Count));
     found.emplace(key, one);
   }
   for (std::size_t m = 0; m < this->Members.size(); ++m)
   {
-    Engine& engine = this->At(m);
-    struct Taken
+    this->TakeCurves(m, found);
+  }
+}
+
+void ZeroSetGroup::Worker::TakeCurves(
+  std::size_t member, const std::map<CurveKey, FoundCurve>& found)
+{
+  Engine& engine = this->At(member);
+  struct Taken
+  {
+    Engine::Curve* Curve;
+    FoundCurve From;
+    SeenCurve As;
+  };
+  std::vector<Taken> taken;
+  const Index before = engine.Shared.Count();
+  Index total = before;
+  this->ForSharedCurves(member,
+    [&](Engine::Curve& curve, const std::vector<SeenCurve>& seen)
     {
-      std::size_t Curve;
-      const Found* From;
-      Key At;
-      bool Turned;
-    };
-    std::vector<Taken> taken;
-    const Index before = engine.Shared.Count();
-    Index total = before;
-    for (std::size_t c = 0; c < engine.Curves.size(); ++c)
-    {
-      Engine::Curve& curve = engine.Curves[c];
-      if (engine.CurveOf[c] != static_cast<Index>(c) || !curve.IsOnCrease)
-      {
-        continue;
-      }
-      see(m, curve, seen);
-      if (seen.size() < 2)
-      {
-        continue;
-      }
       // The finest of those that succeeded, then that of the first part.
-      const auto rank = [](const Key& key, const Found& one)
-      { return std::make_tuple(one.HasFailed, -one.Count, key); };
-      const Seen* best = &seen[0];
-      const Found* from = &found.at(best->At);
-      for (const Seen& s : seen)
+      const auto rank = [&found](const SeenCurve& s)
       {
-        const auto other = found.find(s.At);
-        if (other != found.end() && rank(s.At, other->second) < rank(best->At, *from))
-        {
-          best = &s;
-          from = &other->second;
-        }
-      }
-      if (best == &seen[0])
+        const auto one = found.find(s.Key);
+        return one == found.end()
+          ? std::make_tuple(true, Index(1), s.Key)
+          : std::make_tuple(one->second.HasFailed, -one->second.Count, s.Key);
+      };
+      const auto best = std::min_element(seen.begin(), seen.end(),
+        [&rank](const SeenCurve& a, const SeenCurve& b) { return rank(a) < rank(b); });
+      if (best != seen.begin())
       {
-        continue;
+        const FoundCurve& from = found.at(best->Key);
+        curve.HasFailed = from.HasFailed;
+        curve.Measured.Distance = from.Error;
+        curve.Count = from.Count;
+        curve.First = total;
+        total += curve.Count;
+        taken.push_back({ &curve, from, *best });
       }
-      curve.HasFailed = from->HasFailed;
-      curve.Measured.Distance = from->Error;
-      curve.Count = from->Count;
-      curve.First = total;
-      total += curve.Count;
-      taken.push_back({ c, from, best->At, best->Turned });
-    }
-    engine.Shared.Resize(engine, total);
-    for (const Taken& t : taken)
+    });
+  const auto pointOf = [](const Taken& t, Index i)
+  { return t.From.Points + 6 * (t.As.Turned ? t.From.Count - 1 - i : i); };
+  engine.Shared.Resize(engine, total);
+  for (const Taken& t : taken)
+  {
+    const Engine::Curve& curve = *t.Curve;
+    for (Index i = 0; i < curve.Count; ++i)
     {
-      const Engine::Curve& curve = engine.Curves[t.Curve];
-      // The class parameters of the other side, by our directions.
-      std::array<int, 3> axis{ 0, 1, 2 };
-      for (const ZeroSetLink& link : this->Topology.Links(this->PartOf(m)))
+      for (int d = 0; d < 3; ++d)
       {
-        if (t.At[1] != Edge && link.Other == t.At[0] && link.Side / 2 == curve.Normal &&
-          link.OtherSide / 2 == t.At[1])
-        {
-          axis = link.Axis;
-        }
-      }
-      if (t.At[1] == Edge)
-      {
-        // Only the direction of the edge counts: the one in which its ends differ.
-        const int far = t.At[2] != t.At[6] ? 0 : t.At[3] != t.At[7] ? 1 : 2;
-        axis = { far, far, far };
-      }
-      for (Index i = 0; i < curve.Count; ++i)
-      {
-        const double* from = &records[t.From->Points +
-          6 * static_cast<std::size_t>(t.Turned ? curve.Count - 1 - i : i)];
-        for (int d = 0; d < 3; ++d)
-        {
-          const double a = engine.Shared.Parameters(d, curve.From);
-          const double b = engine.Shared.Parameters(d, curve.To);
-          const double x = std::clamp(
-            this->Topology.FromClass(this->Part(m), d, from[axis[static_cast<std::size_t>(d)]]),
-            engine.Low[d], engine.High[d]);
-          // What runs along a line has its bits.
-          const bool isOnLine = curve.EdgeAxis >= 0 ? d != curve.EdgeAxis : d == curve.Normal;
-          const double same = 1e-12 * (engine.High[d] - engine.Low[d]);
-          engine.Shared.Parameters(d, curve.First + i) =
-            isOnLine || (a == b && std::abs(x - a) <= same) ? a : x;
-        }
+        const double a = engine.Shared.Parameters(d, curve.From);
+        const double b = engine.Shared.Parameters(d, curve.To);
+        const double there = pointOf(t, i)[t.As.Axis[static_cast<std::size_t>(d)]];
+        const double x = std::clamp(
+          this->Topology.FromClass(this->Part(member), d, there), engine.Low[d], engine.High[d]);
+        // What runs along a line has its bits.
+        const bool isOnLine = curve.EdgeAxis >= 0 ? d != curve.EdgeAxis : d == curve.Normal;
+        const double same = 1e-12 * (engine.High[d] - engine.Low[d]);
+        engine.Shared.Parameters(d, curve.First + i) =
+          isOnLine || (a == b && std::abs(x - a) <= same) ? a : x;
       }
     }
-    engine.Evaluate(engine.Shared, before, total);
-    for (const Taken& t : taken)
+  }
+  engine.Evaluate(engine.Shared, before, total);
+  for (const Taken& t : taken)
+  {
+    bool agrees = true;
+    for (Index i = 0; i < t.Curve->Count; ++i)
     {
-      const Engine::Curve& curve = engine.Curves[t.Curve];
-      bool agrees = true;
-      for (Index i = 0; i < curve.Count; ++i)
-      {
-        const double* from = &records[t.From->Points +
-          6 * static_cast<std::size_t>(t.Turned ? curve.Count - 1 - i : i)];
-        agrees = this->Take(m, engine.Shared, curve.First + i, Eigen::Vector3d(from + 3)) && agrees;
-      }
-      for (const ZeroSetLink& link : this->Topology.Links(this->PartOf(m)))
-      {
-        if (!agrees && link.Other == t.At[0] && link.Side / 2 == curve.Normal)
-        {
-          this->Disagreed.insert(link.Joint);
-        }
-      }
+      const Eigen::Vector3d place(pointOf(t, i) + 3);
+      agrees = this->Take(member, engine.Shared, t.Curve->First + i, place) && agrees;
+    }
+    if (!agrees && t.As.Joint >= 0)
+    {
+      this->Disagreed.insert(t.As.Joint);
     }
   }
 }

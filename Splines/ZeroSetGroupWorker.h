@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
 #include <set>
 #include <vector>
@@ -100,6 +101,30 @@ private:
   void ExchangeValues();
   void ExchangeVertices();
   void ExchangeCurves();
+  /// A curve is known by a part, the normal of its plane (3 if it is an edge), and its ends.
+  using CurveKey = std::array<int, 10>;
+  /// A curve as one of the parts around it knows it.
+  struct SeenCurve
+  {
+    CurveKey Key;
+    bool Turned;             ///< runs from the second of the ends in the key to the first
+    std::array<int, 3> Axis; ///< the direction there of each of ours
+    int Joint;               ///< that leads there, or -1
+  };
+  struct FoundCurve
+  {
+    bool HasFailed;
+    double Error;
+    Index Count;
+    const double* Points; ///< 6 x Count: parameters in the classes of directions, and the point
+  };
+  /// A curve from wherever it can be seen, its own part first.
+  void FindCurve(
+    std::size_t member, const Engine::Curve& curve, std::vector<SeenCurve>& seen) const;
+  /// Those that more than one part can see.
+  void ForSharedCurves(std::size_t member,
+    const std::function<void(Engine::Curve&, const std::vector<SeenCurve>&)>& visit);
+  void TakeCurves(std::size_t member, const std::map<CurveKey, FoundCurve>& found);
   void CountTouches();
   void CountOpenEdges();
 

@@ -718,3 +718,21 @@ TEST(ZeroSetGroup, ThreadsDoNotChangeTheResult)
     }
   }
 }
+
+TEST(ZeroSetGroup, AbortStopsTheWork)
+{
+  const MultiPatch model = Split(Curved(1), { 2, 1, 1 }, { Turn(), Turn() });
+  std::vector<ZeroSetGroup::Member> members;
+  std::vector<std::shared_ptr<const ScalarField>> fields;
+  int asked = 0;
+  for (const Patch& patch : model.Patches)
+  {
+    auto body = std::make_shared<const PreparedAggregate>(patch.Body);
+    fields.push_back(Isosurface(0.0)(*body));
+    ZeroSetOptions options;
+    options.Abort = [&asked] { return ++asked > 20; };
+    members.push_back({ &patch, body, fields.back().get(), 0, options });
+  }
+  ZeroSetGroup group(members, model.Interfaces);
+  EXPECT_FALSE(group.Extract());
+}
