@@ -9,6 +9,7 @@
 #include "FunctionFields.h"
 #include "Measures.h"
 #include "NURBSMeshOutput.h"
+#include "Tessellation.h"
 
 #include "vtkDataObject.h"
 #include "vtkImplicitFunction.h"
@@ -25,6 +26,16 @@
 
 VTK_ABI_NAMESPACE_BEGIN
 vtkStandardNewMacro(vtkNURBSClip);
+
+struct vtkNURBSClip::KeptGrids
+{
+  struct Kept
+  {
+    std::vector<double> Tolerances; ///< those of the grid; empty: there is none yet
+    hyperpatch::SolidGrid Grid;
+  };
+  std::vector<Kept> OfPatch; ///< in the order of the model
+};
 
 vtkNURBSClip::vtkNURBSClip() = default;
 vtkNURBSClip::~vtkNURBSClip() = default;
@@ -64,6 +75,12 @@ int vtkNURBSClip::OutputType() const
   return VTK_UNSTRUCTURED_GRID;
 }
 
+void vtkNURBSClip::ModelChanged()
+{
+  this->Superclass::ModelChanged();
+  this->Grids.reset();
+}
+
 void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output)
 {
   vtkInformation* array = this->GetInputArrayInformation(0);
@@ -87,14 +104,22 @@ void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* o
   struct Part
   {
     const hyperpatch::Patch* On;
+    KeptGrids::Kept* Kept;
     std::shared_ptr<const hyperpatch::PreparedAggregate> Body;
     std::vector<std::shared_ptr<const hyperpatch::ScalarField>> Fields;
     hyperpatch::ClipMesh Mesh;
   };
   std::vector<Part> parts;
-  for (const hyperpatch::Patch& patch : model.Patches)
+  if (!this->Grids)
   {
-    Part part{ &patch, std::make_shared<const hyperpatch::PreparedAggregate>(patch.Body), {}, {} };
+    this->Grids = std::make_unique<KeptGrids>();
+    this->Grids->OfPatch.resize(model.Patches.size());
+  }
+  for (std::size_t p = 0; p < model.Patches.size(); ++p)
+  {
+    const hyperpatch::Patch& patch = model.Patches[p];
+    Part part{ &patch, &this->Grids->OfPatch[p],
+      std::make_shared<const hyperpatch::PreparedAggregate>(patch.Body), {}, {} };
     if (function)
     {
       part.Fields = function->At(*part.Body, 0.0);
@@ -116,6 +141,19 @@ void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* o
     options.KeepInside = this->Invert;
     options.Handedness = hyperpatch::Handedness(*part.On) < 0 ? -1 : 1;
     options.For = loop;
+    std::vector<double> own = options.AttributeTolerances;
+    own.push_back(options.Tolerance);
+    if (part.Kept->Tolerances != own)
+    {
+      hyperpatch::TessellationOptions grid;
+      grid.Tolerance = options.Tolerance;
+      grid.AttributeTolerances = options.AttributeTolerances;
+      grid.For = loop;
+      part.Kept->Tolerances.clear();
+      part.Kept->Grid = hyperpatch::MakeSolidGrid(*part.On, grid);
+      part.Kept->Tolerances = std::move(own);
+    }
+    options.Grid = &part.Kept->Grid;
     part.Mesh = hyperpatch::Clip(*part.On, part.Body, part.Fields, options);
   };
   // Few patches: the loops inside use the threads. Many: they are dealt out whole.

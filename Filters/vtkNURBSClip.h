@@ -48,6 +48,8 @@
 #include "vtkNURBSMeshAlgorithm.h"
 #include "vtkSmartPointer.h" // for the function
 
+#include <memory> // for what is kept
+
 class vtkImplicitFunction;
 
 class VTKNURBSFILTERS_EXPORT vtkNURBSClip : public vtkNURBSMeshAlgorithm
@@ -119,10 +121,15 @@ protected:
 
   int OutputType() const override;
   void Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output) override;
+  void ModelChanged() override;
 
 private:
   vtkNURBSClip(const vtkNURBSClip&) = delete;
   void operator=(const vtkNURBSClip&) = delete;
+
+  /// Grids of patches, which only depend on the tolerances; kept until the model changes.
+  struct KeptGrids;
+  std::unique_ptr<KeptGrids> Grids;
 
   vtkSmartPointer<vtkImplicitFunction> ClipFunction;
   int ClipBy = ATTRIBUTE;

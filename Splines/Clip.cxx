@@ -23,7 +23,7 @@ ClipWorker::ClipWorker(const Patch& patch, std::shared_ptr<const PreparedAggrega
   grid.Tolerance = options.Tolerance;
   grid.AttributeTolerances = options.AttributeTolerances;
   grid.For = options.For;
-  this->Grid = MakeSolidGrid(patch, grid);
+  this->Grid = options.Grid ? *options.Grid : MakeSolidGrid(patch, grid);
   const auto degrees = patch.Body.Geometry().Degrees();
   this->Mesh.emplace(
     this->Grid.Lines, std::array<bool, 3>{ degrees[0] > 0, degrees[1] > 0, degrees[2] > 0 });

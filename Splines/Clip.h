@@ -6,6 +6,7 @@
 #include "Parallel.h"
 #include "Prepared.h"
 #include "ScalarField.h"
+#include "Tessellation.h"
 #include "ZeroSet.h"
 
 #include <Eigen/Core>
@@ -28,6 +29,9 @@ struct ClipOptions
   std::vector<double> AttributeTolerances;
   /// Which side is kept: where all fields are negative or 0 (true), or where one is positive.
   bool KeepInside = true;
+  /// MakeSolidGrid() of the patch with these tolerances, where it is known: it takes much of the
+  /// time, and depends on nothing else.
+  const SolidGrid* Grid = nullptr;
   /// No cell is refined when there are so many.
   double MaximumCells = 2e7;
   /// +1 or -1: the sign of det J of the patch, which orients the cells.

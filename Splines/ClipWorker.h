@@ -5,7 +5,6 @@
 #include "Clip.h"
 #include "SimplexCut.h"
 #include "SimplexRefinement.h"
-#include "Tessellation.h"
 
 #include <Eigen/Core>
 

@@ -447,6 +447,32 @@ TEST(NURBSClip, MistakesAreNamed)
   expectError(plane, "finite");
 }
 
+TEST(NURBSClip, WhatIsKeptBetweenRunsDoesNotChangeTheResult)
+{
+  vtkNew<vtkPlane> plane;
+  plane->SetOrigin(1.0, 1.0, 0.5);
+  FilterRun<vtkNURBSClip> kept(TwoTubes());
+  kept.F->SetClipFunction(plane);
+  kept.F->SetAttributeTolerance(0.1);
+  Updated(kept);
+  plane->SetNormal(1.0, 0.3, 0.0);
+  for (const double tolerance : { 1e-2, 1e-3 })
+  {
+    kept.F->SetTolerance(tolerance);
+    FilterRun<vtkNURBSClip> fresh(TwoTubes());
+    fresh.F->SetClipFunction(plane);
+    fresh.F->SetAttributeTolerance(0.1);
+    fresh.F->SetTolerance(tolerance);
+    EXPECT_EQ(Volume(Updated(kept)), Volume(Updated(fresh)));
+  }
+  // Another model, with another number of patches.
+  vtkNew<vtkPartitionedDataSetCollection> other;
+  ToVTK(Alone(Cube(1, 2)), other);
+  kept.F->SetInputDataObject(other);
+  plane->SetNormal(0.0, 0.0, 1.0);
+  EXPECT_NEAR(Volume(Updated(kept)), 0.5, 1e-14);
+}
+
 TEST(NURBSClip, ThreadsDoNotChangeTheResult)
 {
   FilterRun<vtkNURBSClip> run(TwoTubes());
