@@ -115,7 +115,8 @@ void Numbering::FindParents(const std::vector<KnotVector>& knotVectors)
     const std::array<int, 4>& v = hanging.Parent;
     const SideKey key = Topology::KeyOf(
       isEdge ? std::vector<int>{ v[0], v[1] } : std::vector<int>{ v[0], v[1], v[2], v[3] });
-    const auto [found, isNew] = this->Parents.emplace(key, Parent{ v, {}, {} });
+    const auto [found, isNew] =
+      this->Parents.emplace(key, Parent{ v, {}, {}, { v.begin(), v.end() } });
     Parent& parent = found->second;
     if (isNew)
     {
@@ -129,11 +130,12 @@ void Numbering::FindParents(const std::vector<KnotVector>& knotVectors)
     }
     if (parent.Corners != v || hanging.Spans[0] > parent.Spans[0] ||
       hanging.Spans[1] > parent.Spans[1] ||
-      !parent.Vertices.emplace(hanging.Spans, hanging.Vertex).second)
+      !parent.Vertices.emplace(hanging.Spans, hanging.Vertex).second ||
+      !parent.Used.insert(hanging.Vertex).second)
     {
       throw Error("vertex " + std::to_string(hanging.Vertex) + " hangs behind " +
         std::to_string(hanging.Spans[0]) + " and " + std::to_string(hanging.Spans[1]) +
-        " knot spans: that place is taken, or not on its face");
+        " knot spans: that place or the vertex is taken, or it is not on its face");
     }
   }
   for (const auto& [key, parent] : this->Parents)

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,7 @@ private:
     std::array<int, 4> Corners;
     std::array<int, 2> Spans;
     std::map<std::array<int, 2>, int> Vertices;
+    std::set<int> Used; ///< of Vertices
   };
   /// A run of inner control points of a patch from one corner to the next: the direction it goes
   /// along, and the number of the lattice index i in it.

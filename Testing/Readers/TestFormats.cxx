@@ -447,6 +447,64 @@ TEST(Formats, HangingVerticesAreFoundInEveryOrientation)
   }
 }
 
+TEST(Formats, HangingVerticesThatDoNotFitAreRefused)
+{
+  // Each time one line of the section is changed; the text ends before the weights, which is
+  // another error.
+  for (const int change : { 0, 1, 2, 3, 4 })
+  {
+    std::mt19937 random(9);
+    std::vector<Eigen::Vector3d> places;
+    const int m = change == 4 ? 3 : 2;
+    std::istringstream in(HangingBlock(random, m, 2, places));
+    std::ostringstream out;
+    for (std::string line; std::getline(in, line);)
+    {
+      std::istringstream numbers(line);
+      std::array<int, 7> n{};
+      for (int& number : n)
+      {
+        numbers >> number;
+      }
+      const bool isHanging = !numbers.fail() && (numbers >> std::ws).eof();
+      const bool isMiddle = isHanging && n[1] == 1 && n[2] == 1;
+      const bool isOnEdge = isHanging && n[1] == 1 && n[2] == 0;
+      if ((change == 1 || change == 4) && line.find("vertex_to_knotspan") == 0)
+      {
+        line = change == 1 ? "vertex_to_knotspan 4" : "vertex_to_knotspan 7";
+      }
+      if ((change == 1 || change == 4) && isMiddle)
+      {
+        continue; // of one vertex inside the face, none is left: then it has points of its own
+      }
+      if (change == 2 && isMiddle)
+      {
+        line = std::to_string(n[5]) + line.substr(line.find(' '));
+      }
+      if (change == 3 && isOnEdge)
+      {
+        line.replace(line.find(" 1 0 "), 5, " 0 0 ");
+      }
+      out << line << '\n';
+    }
+    std::string message;
+    try
+    {
+      (void)ParseMfemMesh(out.str());
+    }
+    catch (const Error& error)
+    {
+      message = error.what();
+    }
+    const std::array<std::string, 5> expected{ "ends where \"weights\" is expected",
+      "ends where \"weights\" is expected", "that place or the vertex is taken",
+      "that place or the vertex is taken",
+      "has 1 hanging vertices inside where 2 knot spans meet" };
+    EXPECT_NE(message.find(expected[static_cast<std::size_t>(change)]), message.npos)
+      << change << ": " << message;
+  }
+}
+
 TEST(Formats, SpacingOfMfemDoesNotChangeTheModel)
 {
   if (models::RealFiles("mfem").empty())
