@@ -28,8 +28,9 @@ namespace
 /// The value, or 0 where it is no more than the rounding error of a point of that many operations.
 double ValueOrZero(const Quadric& q, const double* x, double operations)
 {
-  const double value = q.Value(x);
-  return std::abs(value) <= UnitRoundoff * operations * q.Terms(x) ? 0.0 : value;
+  double terms = 0.0;
+  const double value = q.Value(x, terms);
+  return std::abs(value) <= UnitRoundoff * operations * terms ? 0.0 : value;
 }
 
 bool IsInOneElement(const Spline& spline, const ParameterBox& box)
@@ -378,15 +379,17 @@ bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
       {
         const double* x = points + m * i;
         const double weight = rational ? spline.Weights()[i] : 1.0;
-        terms = std::max(terms, this->Q.Terms(x));
+        double own = 0.0;
+        const double found = value(x, own);
+        terms = std::max(terms, own);
         largestWeight = std::max(largestWeight, weight);
-        return weight * value(x);
+        return weight * found;
       });
     f.AddNoise(UnitRoundoff * (Operations(spline) + 4 * (m + 2)) * terms * largestWeight);
   };
   if (this->Q.IsLinear())
   {
-    restrictTimesWeight([this](const double* x) { return this->Q.Value(x); });
+    restrictTimesWeight([this](const double* x, double& own) { return this->Q.Value(x, own); });
     return true;
   }
 
@@ -399,8 +402,12 @@ bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
   Eigen::VectorXd slope(m);
   this->Q.Gradient(centre.data(), slope.data());
   const double constant = this->Q.Value(centre.data());
-  restrictTimesWeight([&slope, &centre, constant, m](const double* x)
-    { return constant + slope.dot(Eigen::Map<const Eigen::VectorXd>(x, m) - centre); });
+  restrictTimesWeight(
+    [&](const double* x, double& own)
+    {
+      own = this->Q.Terms(x);
+      return constant + slope.dot(Eigen::Map<const Eigen::VectorXd>(x, m) - centre);
+    });
   // With y = x - centre the rest is y' A y, its derivative 2 y' A y_u. Where rational, both times
   // W: W y_u = Y_u - W_u y for the homogeneous Y.
   const Eigen::MatrixXd A = this->Q.A.cwiseAbs();

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -30,6 +31,25 @@ struct Quadric
   [[nodiscard]] double Value(const double* x) const;
   /// Sum of the magnitudes of the terms of Value(): what its rounding error is relative to.
   [[nodiscard]] double Terms(const double* x) const;
+  /// Value(), and Terms() too.
+  double Value(const double* x, double& terms) const
+  {
+    if (!this->IsLinear())
+    {
+      terms = this->Terms(x);
+      return this->Value(x);
+    }
+    const double* origin = this->Origin.size() > 0 ? this->Origin.data() : nullptr;
+    double sum = this->c;
+    terms = std::abs(sum);
+    for (Eigen::Index i = 0; i < this->b.size(); ++i)
+    {
+      const double o = origin ? origin[i] : 0.0;
+      sum += this->b[i] * (x[i] - o);
+      terms += std::abs(this->b[i]) * (std::abs(x[i]) + std::abs(o));
+    }
+    return sum;
+  }
   /// \param gradient m numbers
   void Gradient(const double* x, double* gradient) const;
 };

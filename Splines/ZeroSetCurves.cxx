@@ -161,7 +161,21 @@ bool ZeroSet::Worker::GoesOn(int direction, int line) const
   return (line == 0 || atEnd) && this->GoesBeyond[2 * d + (atEnd != lines.IsMirrored() ? 1 : 0)];
 }
 
-ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Node& low, int size, int normal)
+std::array<double, 4> ZeroSet::Worker::ValuesAround(const Node& low, int size, int normal) const
+{
+  const auto b = static_cast<std::size_t>((normal + 1) % 3);
+  const auto c = static_cast<std::size_t>((normal + 2) % 3);
+  Node right = low;
+  right[b] += size;
+  Node top = low;
+  top[c] += size;
+  Node opposite = right;
+  opposite[c] += size;
+  return { this->ValueAt(low), this->ValueAt(right), this->ValueAt(opposite), this->ValueAt(top) };
+}
+
+ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(
+  const Node& low, int size, int normal, const std::array<double, 4>& cornerValues)
 {
   const auto first = static_cast<Index>(this->Curves.size());
   const auto [face, isNew] = this->FaceKeys.Number({ low[0], low[1], low[2], normal });
@@ -177,16 +191,18 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Node& low, int size, int
   std::vector<Node>& corners = this->Around;
   crossings.clear();
   corners.clear();
-  double before = this->ValueAt(low);
-  const auto side = [&](const Node& from, int axis, bool forward)
+  double before = cornerValues[0];
+  const auto side = [&](const Node& from, int axis, bool forward, double last)
   {
+    int left = size;
     this->ForMinimalEdges(from, size, axis, forward,
       [&](const Node& at, int length)
       {
         Node begin = at;
         Node end = at;
         (forward ? end : begin)[static_cast<std::size_t>(axis)] += length;
-        const double after = this->ValueAt(end);
+        left -= length;
+        const double after = left == 0 ? last : this->ValueAt(end);
         corners.push_back(begin);
         if ((before >= 0.0) != (after >= 0.0))
         {
@@ -201,10 +217,10 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Node& low, int size, int
   right[static_cast<std::size_t>(b)] += size;
   Node top = low;
   top[static_cast<std::size_t>(c)] += size;
-  side(low, b, true);
-  side(right, c, true);
-  side(top, b, false);
-  side(low, c, false);
+  side(low, b, true, cornerValues[1]);
+  side(right, c, true, cornerValues[2]);
+  side(top, b, false, cornerValues[3]);
+  side(low, c, false, cornerValues[0]);
   if (crossings.empty())
   {
     return face;
@@ -337,9 +353,7 @@ std::pair<ZeroSet::Worker::Index, bool> ZeroSet::Worker::AddNode(const Node& nod
 
 void ZeroSet::Worker::CollectNodes()
 {
-  this->Nodes.Clear();
-  this->NodeAt.clear();
-  this->NodeBits = 0;
+  const std::size_t known = this->CornersOf.size();
   this->CornersOf.resize(this->Leaves.size());
   const auto addCorners = [this](const Box& box, int divisions)
   {
@@ -358,7 +372,7 @@ void ZeroSet::Worker::CollectNodes()
   };
   // The corners of leaves, and the places where boxes around them were halved.
   Numbering halved;
-  for (std::size_t l = 0; l < this->Leaves.size(); ++l)
+  for (std::size_t l = known; l < this->Leaves.size(); ++l)
   {
     const Leaf& leaf = this->Leaves[l];
     for (int c = 0; c < 8; ++c)
@@ -380,35 +394,23 @@ void ZeroSet::Worker::CollectNodes()
       addCorners(box, 2);
     }
   }
-  for (const Node& node : this->FromOutside)
-  {
-    this->AddNode(node);
-  }
-}
-
-bool ZeroSet::Worker::Learn(const Node& node)
-{
-  const bool isNew = this->AddNode(node).second;
-  if (isNew)
-  {
-    this->FromOutside.push_back(node);
-  }
-  return isNew;
 }
 
 bool ZeroSet::Worker::FindValues()
 {
-  Eigen::Matrix3Xd parameters(3, static_cast<Index>(this->NodeAt.size()));
+  const std::size_t known = this->NodeValues.size();
   this->NodeValues.resize(this->Nodes.Count());
-  return this->Parallel(static_cast<Index>(this->NodeValues.size()), Batch,
-    [&](Index begin, Index end)
+  return this->Parallel(static_cast<Index>(this->NodeValues.size() - known), Batch,
+    [this, known](Index begin, Index end)
     {
-      for (Index i = begin; i < end; ++i)
+      Eigen::Matrix<double, 3, Batch> parameters;
+      const std::size_t first = known + static_cast<std::size_t>(begin);
+      for (Index i = 0; i < end - begin; ++i)
       {
-        parameters.col(i) = this->ParameterOf(this->NodeAt[static_cast<std::size_t>(i)]);
+        parameters.col(i) = this->ParameterOf(this->NodeAt[first + static_cast<std::size_t>(i)]);
       }
-      this->Field.Evaluate(static_cast<std::size_t>(end - begin), parameters.col(begin).data(),
-        &this->NodeValues[static_cast<std::size_t>(begin)]);
+      this->Field.Evaluate(
+        static_cast<std::size_t>(end - begin), parameters.data(), &this->NodeValues[first]);
     });
 }
 
@@ -417,7 +419,8 @@ void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
   const auto& [low, size] = this->Leaves[leaf].At;
   if (this->Axes.size() == 2)
   {
-    this->TraceFace(low, size, 3 - this->Axes[0] - this->Axes[1]);
+    const int normal = 3 - this->Axes[0] - this->Axes[1];
+    this->TraceFace(low, size, normal, this->ValuesAround(low, size, normal));
     return;
   }
   if (this->Axes.size() == 1)
@@ -437,11 +440,15 @@ void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
       });
     return;
   }
-  unsigned positive = 0; // bits of corners
-  for (std::size_t c = 0; c < 8; ++c)
+  const auto valueAt = [this, leaf](int corner)
   {
-    const auto corner = static_cast<std::size_t>(this->CornersOf[leaf][c]);
-    positive |= this->NodeValues[corner] >= 0.0 ? 1u << c : 0u;
+    const int node = this->CornersOf[leaf][static_cast<std::size_t>(corner)];
+    return this->NodeValues[static_cast<std::size_t>(node)];
+  };
+  unsigned positive = 0; // bits of corners
+  for (int c = 0; c < 8; ++c)
+  {
+    positive |= valueAt(c) >= 0.0 ? 1u << c : 0u;
   }
   const bool mayBeDivided = this->MayBeDivided(size);
   for (int normal = 0; normal < 3; ++normal)
@@ -452,17 +459,23 @@ void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
       const unsigned corners = Lower[static_cast<std::size_t>(normal)] << (high ? 1 << normal : 0);
       if (mayBeDivided || ((positive & corners) != 0 && (positive & corners) != corners))
       {
+        const int b = (normal + 1) % 3;
+        const int c = (normal + 2) % 3;
+        const int lowest = high ? 1 << normal : 0;
+        const std::array<double, 4> values{ valueAt(lowest), valueAt(lowest + (1 << b)),
+          valueAt(lowest + (1 << b) + (1 << c)), valueAt(lowest + (1 << c)) };
         Node at = low;
         at[static_cast<std::size_t>(normal)] += high ? size : 0;
         this->ForMinimalFaces(at, size, normal,
           [&](const Node& part, int partSize)
           {
-            const Index face = this->TraceFace(part, partSize, normal);
+            const Index face = this->TraceFace(part, partSize, normal,
+              partSize == size ? values : this->ValuesAround(part, partSize, normal));
             this->FacesOfLeaf.push_back(2 * face + (high ? 1 : 0));
             const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face)];
-            for (Index c = first; c < first + count && this->Leaves[leaf].Height >= 0; ++c)
+            for (Index i = first; i < first + count && this->Leaves[leaf].Height >= 0; ++i)
             {
-              this->Curves[static_cast<std::size_t>(c)].Heights |= 1u << this->Leaves[leaf].Height;
+              this->Curves[static_cast<std::size_t>(i)].Heights |= 1u << this->Leaves[leaf].Height;
             }
           });
       }

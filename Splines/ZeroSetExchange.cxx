@@ -105,7 +105,7 @@ void ZeroSetGroup::Worker::ExchangeNodes()
         {
           for (const std::size_t m : membersOf[static_cast<std::size_t>(link.Other)])
           {
-            news = this->At(m).Learn(this->ToOwn(m, at.Low)) || news;
+            news = this->At(m).AddNode(this->ToOwn(m, at.Low)).second || news;
           }
         }
       }

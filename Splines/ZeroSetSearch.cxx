@@ -366,7 +366,11 @@ bool ZeroSet::Worker::Search()
 {
   this->Undecided = 0;
   this->WasCapped = false;
-  this->FromOutside.clear();
+  this->Nodes.Clear();
+  this->NodeAt.clear();
+  this->NodeValues.clear();
+  this->NodeBits = 0;
+  this->CornersOf.clear();
   this->Leaves.clear();
   this->Pieces.clear();
   std::vector<Box> open;
@@ -444,6 +448,7 @@ bool ZeroSet::Worker::Refine()
       if (kept != i)
       {
         this->Pieces[kept] = std::move(piece);
+        this->CornersOf[kept] = this->CornersOf[i];
       }
       ++kept;
       continue;
@@ -461,6 +466,7 @@ bool ZeroSet::Worker::Refine()
   }
   this->Leaves.resize(kept);
   this->Pieces.resize(kept);
+  this->CornersOf.resize(kept);
   return !halved.empty() && this->SearchBoxes(std::move(halved));
 }
 

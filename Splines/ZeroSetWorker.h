@@ -184,8 +184,6 @@ private:
   void CollectNodes();
   /// \returns its number, and whether it is new
   std::pair<Index, bool> AddNode(const Node& node);
-  /// A node of a neighbor. Whether it is new.
-  bool Learn(const Node& node);
   /// Corner 0..7 of a box, u fastest; directions that are not there have one end.
   [[nodiscard]] Node Corner(const Box& box, int corner) const
   {
@@ -219,7 +217,10 @@ private:
   void TraceLeaf(std::size_t leaf);
   /// Of the surface in a face in which no node lies.
   /// \returns its number, or -1 where nothing of the surface is
-  Index TraceFace(const Node& low, int size, int normal);
+  /// \param values ValuesAround() it
+  Index TraceFace(const Node& low, int size, int normal, const std::array<double, 4>& values);
+  /// Of f at the corners of a face, counter-clockwise from the lowest.
+  [[nodiscard]] std::array<double, 4> ValuesAround(const Node& low, int size, int normal) const;
   /// Whether f is 0 on a face of a leaf and positive inside, by its corners.
   [[nodiscard]] bool IsFlat(const Leaf& leaf, int normal, bool high) const;
   /// Whether a leaf draws the face on which f is 0: where signs at corners do not show it.
@@ -368,7 +369,6 @@ private:
 
   std::int64_t Undecided = 0;
   bool WasCapped = false;
-  std::vector<Node> FromOutside; ///< nodes of neighbors
   std::vector<Leaf> Leaves;
   Numbering Nodes;                           ///< corners of boxes
   int NodeBits = 0;                          ///< all that are set in their coordinates

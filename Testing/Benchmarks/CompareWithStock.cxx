@@ -330,14 +330,15 @@ void Time(Run& run, Body&& body)
 }
 
 /// The uniform grid of n^3 points and its contour or cut.
-void Stock(const Aggregate& body, bool isSlice, int n, bool withParameters, Run& run)
+void Stock(vtkDataObject* input, bool isSlice, int n, bool withParameters, Run& run)
 {
-  // Evaluators are there already in an application that draws several surfaces.
-  const Evaluator X(body.Geometry());
-  const Evaluator A(*body.FindAttribute("f"));
   Time(run,
     [&]
     {
+      const MultiPatch model = FromVTK(input);
+      const Aggregate& body = model.Patches[0].Body;
+      const Evaluator X(body.Geometry());
+      const Evaluator A(*body.FindAttribute("f"));
       std::vector<double> sites(static_cast<std::size_t>(n));
       for (int i = 0; i < n; ++i)
       {
@@ -443,6 +444,8 @@ public:
     run.Mesh->ShallowCopy(this->Filter->GetOutputDataObject(0));
   }
 
+  vtkDataObject* GetInput() { return this->Input; }
+
   double Wall()
   {
     const double start = WallTime();
@@ -526,7 +529,7 @@ void Compare(const Case& c, int spans)
   for (int n = 24; high == 0;)
   {
     Run run;
-    Stock(body, isSlice, n, true, run);
+    Stock(ours.GetInput(), isSlice, n, true, run);
     const MeshError e = ErrorOf(run.Mesh, "u", measure);
     const double worst = std::max(e.Distance, Missed(fine.Mesh, run.Mesh));
     const bool good =
@@ -548,7 +551,7 @@ void Compare(const Case& c, int spans)
     n = std::min(most, std::max(n + 1, static_cast<int>(n * std::min(ratio, 3.0))));
   }
   Run run;
-  Stock(body, isSlice, high, false, run);
+  Stock(ours.GetInput(), isSlice, high, false, run);
   std::printf(
     "          stock: %8.1f ms %9lld triangles %7.1f MiB  grid %d^3 (%d^3 is too coarse%s)"
     "  time %.2f, triangles %.2f, memory %.2f times\n",
