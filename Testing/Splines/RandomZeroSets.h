@@ -100,6 +100,7 @@ public:
     const Eigen::Vector3d lower = points.rowwise().minCoeff();
     const Eigen::Vector3d upper = points.rowwise().maxCoeff();
     this->Diagonal = (upper - lower).norm();
+    this->Reach = std::max(this->Diagonal, points.colwise().norm().maxCoeff());
     if (this->OfAttribute)
     {
       const double value =
@@ -185,6 +186,7 @@ public:
   Quadric Q; ///< of Function()
   ZeroSetOptions Options;
   double Diagonal = 0.0; ///< of the control points
+  double Reach = 0.0;    ///< the larger of that and their largest distance from the origin
   double Scale = 0.0;    ///< the largest magnitude of terms of Q at a coefficient
   bool IsLeftHanded = false;
   std::string Description;

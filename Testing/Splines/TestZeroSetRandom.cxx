@@ -483,7 +483,7 @@ Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally)
     const double reachable =
       Epsilon * g.cwiseAbs().dot(u.cwiseAbs().cwiseMax(exact.High - exact.Low));
     residual = std::max(residual, std::abs(exact.Value(u)) / (model.Scale + reachable / Epsilon));
-    misplaced = std::max(misplaced, (x - mesh.Points.col(v)).norm() / model.Diagonal);
+    misplaced = std::max(misplaced, (x - mesh.Points.col(v)).norm() / model.Reach);
     const Eigen::Vector3d up = J.transpose().inverse() * g;
     // On a crease it has one per side; u is on the upper side of it.
     if (welded.PointOf[static_cast<std::size_t>(v)] == static_cast<std::size_t>(v) &&
