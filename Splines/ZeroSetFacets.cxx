@@ -882,6 +882,12 @@ void ZeroSet::Worker::PartSheets(std::vector<CrowdedEdge> edges)
   {
     crowded[edge.Ends] = &edge;
   }
+  const auto find = [&crowded](Index a, Index b)
+  {
+    const auto found = crowded.find({ std::min(a, b), std::max(a, b) });
+    return found != crowded.end() ? found->second : nullptr;
+  };
+
   Scratch scratch;
   for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
   {
@@ -902,14 +908,68 @@ void ZeroSet::Worker::PartSheets(std::vector<CrowdedEdge> edges)
         }
         const Index a = piece.Loops[static_cast<std::size_t>(from)];
         const Index b = piece.Loops[static_cast<std::size_t>(to)];
-        const auto found = crowded.find({ std::min(a, b), std::max(a, b) });
-        if (found != crowded.end() && found->second->Sheets > 1 &&
-          this->SplitEdge(leaf, c, k, 1.0 / found->second->Sheets, scratch))
+        CrowdedEdge* const edge = find(a, b);
+        if (edge && edge->Sheets > 1 && this->SplitEdge(leaf, c, k, 1.0 / edge->Sheets, scratch))
         {
-          --found->second->Sheets;
+          --edge->Sheets;
         }
       }
     }
+  }
+
+  const auto isCrowded = [&find](Index a, Index b)
+  {
+    const CrowdedEdge* edge = find(a, b);
+    return edge && edge->Sheets > 1;
+  };
+  // Where that is not possible, triangles back to back, which enclose nothing, go with the edges
+  // that only they have.
+  std::map<std::array<Index, 3>, std::array<std::size_t, 2>> facing; // leaf and cell
+  std::vector<std::array<std::size_t, 2>> dropped;
+  for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
+  {
+    const Facets& piece = this->Pieces[leaf];
+    for (std::size_t c = 0; c < piece.Cells.size(); ++c)
+    {
+      if (*std::min_element(piece.Cells[c].begin(), piece.Cells[c].end()) < 0)
+      {
+        continue;
+      }
+      std::array<Index, 3> corners{};
+      for (std::size_t k = 0; k < 3; ++k)
+      {
+        corners[k] = piece.Loops[static_cast<std::size_t>(piece.Cells[c][k])];
+      }
+      if (!isCrowded(corners[0], corners[1]) && !isCrowded(corners[1], corners[2]) &&
+        !isCrowded(corners[2], corners[0]))
+      {
+        continue;
+      }
+      // The least first, so that what turns the other way has the others swapped.
+      std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+      const auto back = facing.find({ corners[0], corners[2], corners[1] });
+      if (back == facing.end())
+      {
+        facing.insert({ corners, { leaf, c } });
+        continue;
+      }
+      dropped.insert(dropped.end(), { back->second, { leaf, c } });
+      facing.erase(back);
+      for (std::size_t k = 0; k < 3; ++k)
+      {
+        CrowdedEdge* const edge = find(corners[k], corners[(k + 1) % 3]);
+        if (edge)
+        {
+          --edge->Sheets;
+        }
+      }
+    }
+  }
+  std::sort(dropped.rbegin(), dropped.rend());
+  for (const auto& [leaf, c] : dropped)
+  {
+    auto& cells = this->Pieces[leaf].Cells;
+    cells.erase(cells.begin() + static_cast<std::ptrdiff_t>(c));
   }
 }
 
