@@ -183,7 +183,11 @@ bool ZeroSet::Worker::Parallel(
   Index count, Index grain, const std::function<void(Index, Index)>& body) const
 {
   // Chunks begin at multiples of the grain whatever the threads do: some results go by chunk.
-  this->Options.For(static_cast<std::ptrdiff_t>((count + grain - 1) / grain), 1,
+  // Many go to a thread at once where there are many: handing one out takes a while.
+  constexpr Index Shares = 256;
+  const Index chunks = (count + grain - 1) / grain;
+  this->Options.For(static_cast<std::ptrdiff_t>(chunks),
+    static_cast<std::ptrdiff_t>(std::max<Index>(1, chunks / Shares)),
     [this, &body, count, grain](std::ptrdiff_t begin, std::ptrdiff_t end)
     {
       for (Index c = begin; c < end && !this->Options.Abort(); ++c)
