@@ -82,8 +82,10 @@ struct ZeroSetMesh
 /// An octree of parameter boxes is refined until, on each leaf, either the hull of f excludes a
 /// zero, or the hull of one partial derivative of f does, so that the zero set is one sheet, a
 /// graph in that direction. The same holds on the faces that lie in the domain's boundary or in
-/// creases, for f restricted to them. (A weaker test than that of Plantinga & Vegter 2004, which
-/// needs no balanced tree: bulges of a sheet through a face or edge between leaves stay sheets.)
+/// creases, for f restricted to them. Where the sheet could pass through more than one face or edge
+/// unseen by the signs at the corners, the test of Plantinga & Vegter 2004 has to hold too: no two
+/// gradients at a right angle. What passes through one is a bulge of the sheet. (The tree is not
+/// balanced as theirs is: each piece is proven, not that the whole is isotopic to the zero set.)
 /// Leaves may hold many knot spans or a small part of one. The sheet meets the faces between leaves
 /// in curves that both sides share; inside its leaf it is meshed by a constrained Delaunay
 /// triangulation in the metric of its curvature and of the attributes. Vertices are on f = 0 to

@@ -135,7 +135,50 @@ ZeroSet::Worker::Height ZeroSet::Worker::FindHeight(const Box& box, const BoxSpl
       parts[2][static_cast<std::size_t>(i / (count[0] * count[1]))] };
     height.Axis = this->IsGraph(f, part) ? height.Axis : -1;
   }
+  height.Axis = this->CanHideNeck(f) ? -1 : height.Axis;
   return height;
+}
+
+bool ZeroSet::Worker::CanHideNeck(const BoxSpline& f) const
+{
+  // A tube along which f grows is a graph. Signs at nodes do not show where it passes through a
+  // face, or through an edge twice; where it can do so at one place only, that is a bulge.
+  if (this->Axes.size() < 3)
+  {
+    return false;
+  }
+  int hidden = 0;
+  for (int d = 0; d < 3 && hidden < 2; ++d)
+  {
+    for (int side = 0; side < 6 && hidden < 2; ++side)
+    {
+      const auto D = static_cast<std::size_t>(d);
+      std::array<Part, 3> part{ Part::Whole, Part::Whole, Part::Whole };
+      if (side < 2)
+      {
+        part[D] = side == 0 ? Part::Low : Part::High;
+      }
+      else
+      {
+        part[(D + 1) % 3] = side % 2 == 0 ? Part::Low : Part::High;
+        part[(D + 2) % 3] = side < 4 ? Part::Low : Part::High;
+      }
+      hidden += this->IsGraph(f, part) ? 0 : 1;
+    }
+  }
+  if (hidden < 2)
+  {
+    return false;
+  }
+  // Nor can there be one where no two gradients are at a right angle (Plantinga & Vegter 2004).
+  double product = 0.0;
+  for (int d = 0; d < 3; ++d)
+  {
+    const Range slope = f.Derivative(d, { Part::Whole, Part::Whole, Part::Whole });
+    const double least = std::min(std::abs(slope.Low), std::abs(slope.High));
+    product += slope.Contains(0.0) ? slope.Low * slope.High : least * least;
+  }
+  return product <= 0.0;
 }
 
 unsigned ZeroSet::Worker::FindFlat(const Box& box, const BoxSpline& f, bool& touches) const

@@ -172,6 +172,8 @@ private:
     double Steepness = 0.0; ///< least slope in it by the greatest in any direction
   };
   [[nodiscard]] Height FindHeight(const Box& box, const BoxSpline& f) const;
+  /// Whether the zero set of f, a graph, could be a tube that signs at the corners do not show.
+  [[nodiscard]] bool CanHideNeck(const BoxSpline& f) const;
   /// Leaf::Flat, and in `touches` whether a zero face is on no side the end of negative f.
   [[nodiscard]] unsigned FindFlat(const Box& box, const BoxSpline& f, bool& touches) const;
   [[nodiscard]] bool IsGraph(const BoxSpline& f, const std::array<Part, 3>& part) const;

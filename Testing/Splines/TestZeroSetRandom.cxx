@@ -633,8 +633,7 @@ Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally)
 }
 
 /// Seeds of which the mesh has not the topology of the zero set, although nothing is undecided.
-/// Thin necks of theirs pass through boxes in which the sheet is a graph between the corners.
-const std::set<unsigned> ThinNecks{ 90, 235, 601, 667 };
+const std::set<unsigned> OtherTopology{ 667 };
 
 void CheckSeeds(RandomZeroSet::Kind kind, unsigned count, bool triangles, Tally& tally)
 {
@@ -644,7 +643,7 @@ void CheckSeeds(RandomZeroSet::Kind kind, unsigned count, bool triangles, Tally&
     const Flaws flaws = Check(model, triangles, tally);
     EXPECT_EQ(flaws.Surface, "") << "seed " << seed << ": " << model.Description;
     EXPECT_EQ(flaws.Triangles, "") << "seed " << seed << ": " << model.Description;
-    if (kind != RandomZeroSet::Kind::Generic || ThinNecks.count(seed) == 0)
+    if (kind != RandomZeroSet::Kind::Generic || OtherTopology.count(seed) == 0)
     {
       EXPECT_EQ(flaws.Topology, "") << "seed " << seed << ": " << model.Description;
     }
@@ -699,12 +698,12 @@ TEST(ZeroSetRandom, PlateausEndInSurfaces)
   CheckSeeds(RandomZeroSet::Kind::Plateaus, 150, false, tally);
 }
 
-// A limitation: in a large box a sheet that is a graph, but turns by more than a right angle, may
-// pass from edge to edge without a sign at a corner, and is then cut where smaller boxes see it.
-TEST(ZeroSetRandom, DISABLED_ThinNecksAreNotCut)
+// A limitation: each box holds one sheet, but that all boxes together hold a surface like the exact
+// one is not proven where boxes of different sizes meet.
+TEST(ZeroSetRandom, DISABLED_BoxesOfDifferentSizesKeepTheTopology)
 {
   Tally tally;
-  for (const unsigned seed : ThinNecks)
+  for (const unsigned seed : OtherTopology)
   {
     const RandomZeroSet model(RandomZeroSet::Kind::Generic, seed);
     EXPECT_EQ(Check(model, false, tally).Topology, "") << "seed " << seed;
