@@ -624,12 +624,14 @@ bool ZeroSet::Worker::FillSheet(
     high = high.cwiseMax(this->Shared.Parameters.col(i));
   }
   Eigen::Vector3d width = high - low;
+  double reach = 0.0;
   for (int d = 0; d < 3; ++d)
   {
     const auto D = static_cast<std::size_t>(d);
     const double box =
       std::abs(this->Line(d, leaf.At.Low[D] + leaf.At.Size) - this->Line(d, leaf.At.Low[D]));
     width[d] = std::max(width[d], 1e-3 * box);
+    reach = d == leaf.Height ? 2.0 * std::max(width[d], box) : reach;
   }
   // Few corners may do as they are.
   constexpr std::size_t Few = 12;
@@ -643,6 +645,7 @@ bool ZeroSet::Worker::FillSheet(
     flat.Slope.setZero();
     flat.Bend.setZero();
     flat.Metric.setZero();
+    flat.Reach = reach;
     Facets piece;
     const double error =
       this->FillSheet(flat, leaf.Rises ? 1.0 : -1.0, 1.0, JustOnce, width, loop, scratch, piece);
@@ -652,11 +655,12 @@ bool ZeroSet::Worker::FillSheet(
       return true;
     }
   }
-  const std::optional<Shape> shape = this->Probe(0.5 * (low + high), width, leaf.Height);
+  std::optional<Shape> shape = this->Probe(0.5 * (low + high), width, leaf.Height);
   if (!shape)
   {
     return false;
   }
+  shape->Reach = reach;
   // Counter-clockwise around the normal is counter-clockwise in (a, b) where f grows with height.
   const double turn = leaf.Rises ? 1.0 : -1.0;
   // Denser where the metric turns out to be too coarse for some place.
@@ -788,7 +792,7 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
     for (Index i = 0; i < count; ++i)
     {
       if (scratch.Projected[static_cast<std::size_t>(i)] != 0 &&
-        std::abs(scratch.Parameters(w, i) - shape.Centre[w]) <= 2.0 * width[w] &&
+        std::abs(scratch.Parameters(w, i) - shape.Centre[w]) <= shape.Reach &&
         triangulation.Insert(scratch.Candidates[static_cast<std::size_t>(i)]) >= 0)
       {
         innerOf.push_back(at);

@@ -134,6 +134,7 @@ private:
     Eigen::Vector2d Slope;  ///< of the height
     Eigen::Matrix2d Bend;   ///< second derivatives of the height
     Eigen::Matrix2d Metric; ///< edges of length 1 in it meet the tolerances
+    double Reach = 0.0;     ///< of points of the leaf, in height from the centre
   };
 
   /// The mesh of the surface in one leaf. It stays as it is while what is around it does.
