@@ -361,6 +361,14 @@ void vtkNURBSJacobianBoundary::DrawKnotPlanes(const hyperpatch::MultiPatch& mode
     mesh.AddCells(*plane.Patch, crease.Triangles,
       crease.Elements.colwise() + Eigen::Vector3i(plane.FirstSpan.data()), { { KNOT_PLANE } });
   }
+  // The field data are those of all processes.
+  const std::vector<double> all = this->AllGather({ error, static_cast<double>(undecided) });
+  undecided = 0;
+  for (std::size_t r = 0; r < all.size(); r += 2)
+  {
+    error = std::max(error, all[r]);
+    undecided += static_cast<std::int64_t>(all[r + 1]);
+  }
   vtkDataArray* cells = FieldNumbers::Named(fieldData, "UndecidedCells", 0.0);
   cells->SetComponent(0, 0, cells->GetComponent(0, 0) + static_cast<double>(undecided));
   vtkDataArray* largest = FieldNumbers::Named(fieldData, "LargestError", 0.0);
