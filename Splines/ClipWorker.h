@@ -4,7 +4,7 @@
 
 #include "Clip.h"
 #include "SimplexCut.h"
-#include "SimplexRefinement.h"
+#include "SimplexRefinementWorker.h"
 
 #include <Eigen/Core>
 

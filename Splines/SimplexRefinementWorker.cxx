@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "SimplexRefinement.h"
+#include "SimplexRefinementWorker.h"
 
 #include <algorithm>
 #include <cstddef>

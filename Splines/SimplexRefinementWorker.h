@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef hyperpatch_SimplexRefinement_h
-#define hyperpatch_SimplexRefinement_h
+#ifndef hyperpatch_SimplexRefinementWorker_h
+#define hyperpatch_SimplexRefinementWorker_h
 
 #include "NumberingWorker.h"
 
