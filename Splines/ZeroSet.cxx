@@ -106,7 +106,6 @@ ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const
     }
   }
 
-  this->Speed.setZero();
   // Lengths of the lines through the middle of the domain.
   for (int d = 0; d < 3; ++d)
   {
@@ -155,7 +154,6 @@ ZeroSet::Worker::Worker(std::shared_ptr<const PreparedAggregate> prepared, const
       at.push_back(b.At);
       isCrease.push_back(b.IsCrease);
     }
-    this->Speed[d] = this->Lengths[D] / (this->High[d] - this->Low[d]);
     this->BreakAt[D] = std::move(at);
     this->IsCreaseAt[D] = std::move(isCrease);
   }

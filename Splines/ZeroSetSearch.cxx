@@ -99,10 +99,12 @@ ZeroSet::Worker::Height ZeroSet::Worker::FindHeight(const Box& box, const BoxSpl
   Height height;
   double least = 0.0;
   double greatest = 0.0;
+  double product = 0.0; // no more than that of any two gradients
   for (const int d : this->Axes)
   {
     const Range slope = f.Derivative(d, { Part::Whole, Part::Whole, Part::Whole });
     const double low = std::min(std::abs(slope.Low), std::abs(slope.High));
+    product += slope.Contains(0.0) ? slope.Low * slope.High : low * low;
     greatest = std::max({ greatest, std::abs(slope.Low), std::abs(slope.High) });
     if (!slope.Contains(0.0) && low > least)
     {
@@ -135,7 +137,11 @@ ZeroSet::Worker::Height ZeroSet::Worker::FindHeight(const Box& box, const BoxSpl
       parts[2][static_cast<std::size_t>(i / (count[0] * count[1]))] };
     height.Axis = this->IsGraph(f, part) ? height.Axis : -1;
   }
-  height.Axis = this->CanHideNeck(f) ? -1 : height.Axis;
+  // A neck has gradients at a right angle to each other (Plantinga & Vegter 2004).
+  if (height.Axis >= 0 && product <= 0.0 && this->CanHideNeck(f))
+  {
+    height.Axis = -1;
+  }
   return height;
 }
 
@@ -166,19 +172,7 @@ bool ZeroSet::Worker::CanHideNeck(const BoxSpline& f) const
       hidden += this->IsGraph(f, part) ? 0 : 1;
     }
   }
-  if (hidden < 2)
-  {
-    return false;
-  }
-  // Nor can there be one where no two gradients are at a right angle (Plantinga & Vegter 2004).
-  double product = 0.0;
-  for (int d = 0; d < 3; ++d)
-  {
-    const Range slope = f.Derivative(d, { Part::Whole, Part::Whole, Part::Whole });
-    const double least = std::min(std::abs(slope.Low), std::abs(slope.High));
-    product += slope.Contains(0.0) ? slope.Low * slope.High : least * least;
-  }
-  return product <= 0.0;
+  return hidden > 1;
 }
 
 unsigned ZeroSet::Worker::FindFlat(const Box& box, const BoxSpline& f, bool& touches) const
@@ -230,8 +224,10 @@ bool ZeroSet::Worker::IsTooLarge(const Box& box, const Height& height) const
   const Eigen::Vector3d low(p.Low.data());
   const Eigen::Vector3d width = Eigen::Vector3d(p.High.data()) - low;
   const bool isSteep = height.Steepness >= LeastSteepness;
+  const Eigen::Vector3d speed =
+    Eigen::Vector3d(this->Lengths.data()).cwiseQuotient(this->High - this->Low);
   if (!this->HasAttributes() &&
-    width.cwiseProduct(this->Speed).norm() <=
+    width.cwiseProduct(speed).norm() <=
       (isSteep ? SurelySmall : SurelySmallFlat) * this->Options.Tolerance)
   {
     return false;
@@ -252,6 +248,20 @@ bool ZeroSet::Worker::IsTooLarge(const Box& box, const Height& height) const
     std::sqrt(std::max(0.0, shape->Metric.determinant())) * width[shape->A] * width[shape->B];
   return std::max(a, b) > (isSteep ? MostAcross : MostAcrossFlat) ||
     inside > (isSteep ? MostInside : MostInsideFlat);
+}
+
+void ZeroSet::Worker::Halve(const Box& box, std::vector<Box>& parts) const
+{
+  const int half = box.Size / 2;
+  for (int c = 0; c < 1 << this->Axes.size(); ++c)
+  {
+    Box part{ box.Low, half };
+    for (std::size_t a = 0; a < this->Axes.size(); ++a)
+    {
+      part.Low[static_cast<std::size_t>(this->Axes[a])] += (c >> a & 1) * half;
+    }
+    parts.push_back(part);
+  }
 }
 
 void ZeroSet::Worker::Visit(const Box& box, BoxSpline& f, Visited& visited) const
@@ -298,16 +308,7 @@ void ZeroSet::Worker::Visit(const Box& box, BoxSpline& f, Visited& visited) cons
       { box, height.Axis >= 0 && !touches, height.Axis, height.Rises, flat });
     return;
   }
-  const int half = box.Size / 2;
-  for (int c = 0; c < 1 << this->Axes.size(); ++c)
-  {
-    Box child{ box.Low, half };
-    for (std::size_t a = 0; a < this->Axes.size(); ++a)
-    {
-      child.Low[static_cast<std::size_t>(this->Axes[a])] += (c >> a & 1) * half;
-    }
-    visited.Next.push_back(child);
-  }
+  this->Halve(box, visited.Next);
 }
 
 void ZeroSet::Worker::VisitSampled(const Box& box, Visited& visited) const
@@ -357,16 +358,7 @@ void ZeroSet::Worker::VisitSampled(const Box& box, Visited& visited) const
     }
     return;
   }
-  const int half = box.Size / 2;
-  for (int c = 0; c < 1 << this->Axes.size(); ++c)
-  {
-    Box child{ box.Low, half };
-    for (std::size_t a = 0; a < this->Axes.size(); ++a)
-    {
-      child.Low[static_cast<std::size_t>(this->Axes[a])] += (c >> a & 1) * half;
-    }
-    visited.Next.push_back(child);
-  }
+  this->Halve(box, visited.Next);
 }
 
 void ZeroSet::Worker::SearchRoots(const Node& low, const Node& high, std::vector<Box>& found) const
@@ -496,16 +488,7 @@ bool ZeroSet::Worker::Refine()
       ++kept;
       continue;
     }
-    const int half = leaf.At.Size / 2;
-    for (int c = 0; c < 1 << this->Axes.size(); ++c)
-    {
-      Box child{ leaf.At.Low, half };
-      for (std::size_t a = 0; a < this->Axes.size(); ++a)
-      {
-        child.Low[static_cast<std::size_t>(this->Axes[a])] += (c >> a & 1) * half;
-      }
-      halved.push_back(child);
-    }
+    this->Halve(leaf.At, halved);
   }
   this->Leaves.resize(kept);
   this->Pieces.resize(kept);

@@ -164,6 +164,7 @@ private:
   bool SearchBoxes(std::vector<Box> open);
   void SearchRoots(const Node& low, const Node& high, std::vector<Box>& found) const;
   struct Visited;
+  void Halve(const Box& box, std::vector<Box>& parts) const;
   void Visit(const Box& box, BoxSpline& f, Visited& visited) const;
   /// A direction in which the zero set is a graph, on the box and on its faces in creases.
   struct Height
@@ -367,7 +368,6 @@ private:
   bool AreLinesTurned = false; ///< against parameters: mirrored in one direction, or in three
   Eigen::Vector3d Scale;       ///< of parameters: 1 is the width of a root cell
   Eigen::Vector3d Low, High;   ///< the domain
-  Eigen::Vector3d Speed;       ///< Lengths by those of the domain
   double DomainWidth = 0.0;    ///< the longest of Lengths
 
   std::int64_t Undecided = 0;
