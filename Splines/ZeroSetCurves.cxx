@@ -895,24 +895,9 @@ void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
   const auto curve = [this, begin](std::size_t k) -> Curve&
   { return this->Curves[static_cast<std::size_t>(begin) + k]; };
   std::vector<std::size_t> open;
-  const bool hasAttributes = this->HasAttributes();
   for (std::size_t k = 0; k < n; ++k)
   {
-    if (this->CurveOf[static_cast<std::size_t>(begin) + k] != begin + static_cast<Index>(k))
-    {
-      continue;
-    }
-    Eigen::Matrix<double, 3, 2> normals;
-    normals << this->Shared.Normals.col(curve(k).From), this->Shared.Normals.col(curve(k).To);
-    const Eigen::Vector3d chord =
-      this->Shared.Points.col(curve(k).To) - this->Shared.Points.col(curve(k).From);
-    const double height = HermiteHeight(-normals.col(0).dot(chord), normals.col(1).dot(chord));
-    const bool isInside = this->Axes.size() == 3 && !curve(k).IsOnCrease;
-    if (isInside && !hasAttributes && IsFlat(InnerChord * height, normals, this->Options.Tolerance))
-    {
-      curve(k).Measured = { height, 0.0 };
-    }
-    else
+    if (this->CurveOf[static_cast<std::size_t>(begin) + k] == begin + static_cast<Index>(k))
     {
       open.push_back(k);
     }

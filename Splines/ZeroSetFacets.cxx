@@ -119,7 +119,6 @@ struct ZeroSet::Worker::Scratch
   std::vector<Step> Steps;
   std::vector<Step*> Path;
   std::vector<double> Errors; ///< of triangles
-  std::vector<Index> Asked;   ///< triangles whose error needs samples
   std::vector<Error> Measured;
   Middles Centres;
   std::vector<std::vector<Index>> Loops;
@@ -530,8 +529,6 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
   const Index places = hasAttributes ? 4 : 1;
   std::vector<double>& errors = scratch.Errors;
   errors.assign(static_cast<std::size_t>(count), 0.0);
-  std::vector<Index>& asked = scratch.Asked;
-  asked.clear();
   const auto corner = [&](Index t, int k) -> std::pair<const Samples*, Index>
   {
     const int c = triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)];
@@ -565,38 +562,32 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
     most = std::max(most, MiddleHeight(q));
     errors[static_cast<std::size_t>(t)] = most / this->Options.Tolerance;
     distance = std::max(distance, most);
-    if (hasAttributes || !IsFlat(most, n, this->Options.Tolerance))
-    {
-      asked.push_back(t);
-    }
   }
   double attribute = 0.0;
-  if (!asked.empty())
+  // Normals at the corners alone can be those of a plane under a dome.
+  Middles& middles = scratch.Centres;
+  middles.SetZero(*this, places * count);
+  for (Index t = 0; t < count; ++t)
   {
-    Middles& middles = scratch.Centres;
-    middles.SetZero(*this, places * static_cast<Index>(asked.size()));
-    for (std::size_t at = 0; at < asked.size(); ++at)
+    for (int k = 0; k < 3; ++k)
     {
-      for (int k = 0; k < 3; ++k)
+      const auto [s, i] = corner(t, k);
+      for (Index p = 0; p < places; ++p)
       {
-        const auto [s, i] = corner(asked[at], k);
-        for (Index p = 0; p < places; ++p)
-        {
-          middles.Add(places * static_cast<Index>(at) + p,
-            Places[static_cast<std::size_t>(p)][static_cast<std::size_t>(k)], *s, i);
-        }
+        middles.Add(
+          places * t + p, Places[static_cast<std::size_t>(p)][static_cast<std::size_t>(k)], *s, i);
       }
     }
-    std::vector<Error>& measured = scratch.Measured;
-    this->Measure(middles, measured);
-    for (std::size_t i = 0; i < measured.size(); ++i)
-    {
-      const Error& e = measured[i];
-      double& error = errors[static_cast<std::size_t>(asked[i / static_cast<std::size_t>(places)])];
-      error = std::max({ error, e.Distance / this->Options.Tolerance, e.Attribute });
-      distance = std::max(distance, e.Distance);
-      attribute = std::max(attribute, e.Attribute);
-    }
+  }
+  std::vector<Error>& measured = scratch.Measured;
+  this->Measure(middles, measured);
+  for (std::size_t i = 0; i < measured.size(); ++i)
+  {
+    const Error& e = measured[i];
+    double& error = errors[i / static_cast<std::size_t>(places)];
+    error = std::max({ error, e.Distance / this->Options.Tolerance, e.Attribute });
+    distance = std::max(distance, e.Distance);
+    attribute = std::max(attribute, e.Attribute);
   }
   double worst = 0.0;
   for (Index t = 0; t < count; ++t)

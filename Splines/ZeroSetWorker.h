@@ -312,20 +312,6 @@ private:
     return std::max({ std::abs(0.125 * (from + to)), std::abs(9.0 * from + 3.0 * to) / 64.0,
       std::abs(3.0 * from + 9.0 * to) / 64.0 });
   }
-  /// Whether an error that the normals tell is so far below the tolerance that nothing else need be
-  /// asked.
-  template <typename Normals>
-  [[nodiscard]] static bool IsFlat(double error, const Normals& normals, double tolerance)
-  {
-    constexpr double Share = 0.4;
-    constexpr double LeastCosine = 0.9;
-    bool isFlat = error <= Share * tolerance;
-    for (Eigen::Index i = 0; i < normals.cols() && isFlat; ++i)
-    {
-      isFlat = normals.col(i).dot(normals.col((i + 1) % normals.cols())) > LeastCosine;
-    }
-    return isFlat;
-  }
   /// Of linear cells, at points inside them.
   void Measure(const Middles& middles, std::vector<Error>& errors) const;
 

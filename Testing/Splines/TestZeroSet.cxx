@@ -572,6 +572,24 @@ TEST(ZeroSet, APlateauIsCountedAndEndsInBoundedTime)
   EXPECT_TRUE(r.Certificate.ToleranceReached);
 }
 
+TEST(ZeroSet, ADomeOverALevelOutlineIsSeen)
+{
+  // Normals at all corners are upright, as those of the flat outline.
+  // w = 0.3 + 0.8 u (1 - u) v (1 - v): 0.3 all around, 0.35 in the middle.
+  const KnotVector k(2, { 0, 0, 0, 1, 1, 1 });
+  Eigen::MatrixXd values(1, 27);
+  for (int i = 0; i < 27; ++i)
+  {
+    values(0, i) = 0.5 * (i / 9) - 0.3 - (i % 9 == 4 ? 0.2 : 0.0);
+  }
+  const Spline field({ k, k, k }, values);
+  const Aggregate body(Box({ k, k, k }), { { "f", field } });
+  const Result r =
+    Extract(body, QuadricField(field, ComponentEquals(field, 0, 0.0), false), WithTolerance(2e-3));
+  EXPECT_TRUE(r.Certificate.ToleranceReached);
+  EXPECT_NEAR(r.Mesh.Points.row(2).maxCoeff(), 0.35, 2e-3);
+}
+
 TEST(ZeroSet, AShortKnotSpanDoesNotHideTheSheet)
 {
   // x = (u - 0.35)^2: det J = 0 on u = 0.35, whatever the knots elsewhere.
