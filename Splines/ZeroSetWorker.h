@@ -20,9 +20,12 @@
 #include <vector>
 
 /// The inside of ZeroSet, private to the files that hold it, in the order of the work:
-/// ZeroSetSearch.cxx finds the boxes that hold the surface, ZeroSetCurves.cxx its points on their
-/// edges and its curves in their faces, ZeroSetFacets.cxx meshes it inside them, ZeroSetMesh.cxx
-/// joins the pieces. ZeroSetGroup.cxx does so with several at once, and lets them agree in between.
+/// ZeroSetSearch.cxx finds the boxes that hold the surface, ZeroSetFaces.cxx where it crosses their
+/// faces and edges, ZeroSetVertices.cxx its points on edges, ZeroSetCurves.cxx its curves in faces,
+/// ZeroSetLoops.cxx joins these around each box, ZeroSetFacets.cxx meshes it inside,
+/// ZeroSetSheets.cxx parts sheets that meet in an edge, ZeroSetMesh.cxx joins the pieces.
+/// ZeroSetProbe.cxx finds its curvature, ZeroSetMeasure.cxx errors. ZeroSetGroup.cxx does so with
+/// several at once, and lets them agree in between.
 
 namespace hyperpatch
 {
@@ -151,8 +154,28 @@ private:
     bool IsWithinTolerance = true;
   };
 
-  /// Scratch of one thread.
-  struct Scratch;
+  /// What one thread needs again and again.
+  struct Scratch
+  {
+    FacetTriangulation Triangulation;
+    std::vector<Eigen::Vector2d> Polygon;
+    std::vector<Eigen::Vector2d> Candidates;
+    Eigen::Matrix3Xd Parameters;
+    std::vector<int> Axes;
+    std::vector<char> Projected;
+    struct Step
+    {
+      const Curve* Along;
+      bool Forward;
+      bool Used;
+    };
+    std::vector<Step> Steps;
+    std::vector<Step*> Path;
+    std::vector<double> Errors; ///< of triangles
+    std::vector<Error> Measured;
+    Middles Centres;
+    std::vector<std::vector<Index>> Loops;
+  };
 
   /// The number of root cells of a direction, about, for those of the shortest to be cubes.
   static double RootsFor(double length, double shortest);
@@ -184,7 +207,7 @@ private:
   [[nodiscard]] double Width(const Box& box) const;
   [[nodiscard]] bool IsTooLarge(const Box& box, const Height& height) const;
 
-  // Curves: ZeroSetCurves.cxx
+  // Faces: ZeroSetFaces.cxx
   void CollectNodes();
   /// \returns its number, and whether it is new
   std::pair<Index, bool> AddNode(const Node& node);
@@ -235,51 +258,34 @@ private:
   Index AddVertex(const Vertex& vertex);
   /// Whether a line is a side beyond which the model goes on.
   [[nodiscard]] bool GoesOn(int direction, int line) const;
+
+  // Vertices: ZeroSetVertices.cxx
   bool FindVertices();
-  /// Snap() and FindCurves().
-  bool FollowCurves();
   /// Joins vertices that lie close together around a node, and the curves that become one by that.
   void Snap();
+
+  // Curves: ZeroSetCurves.cxx
+  /// Snap() and FindCurves().
+  bool FollowCurves();
   bool FindCurves();
   void Bend(Index begin, Index end, Samples& found);
-  /// Sets Curve::Measured, and in `errors` what it is of what is aimed at: of curve k the
-  /// `counts[k]` samples from `firsts[k]` on; `places` are where on each chord it is measured.
-  void MeasureCurves(Index begin, const std::vector<std::size_t>& which,
-    const std::vector<Index>& firsts, const std::vector<Index>& counts, const Samples& samples,
-    const std::vector<int>& axisOf, const std::vector<double>& places, std::vector<double>& errors);
   /// Moves points along one axis each onto f = 0; `projected`: where that worked.
   void Project(
     Eigen::Matrix3Xd& parameters, const std::vector<int>& axes, std::vector<char>& projected) const;
-  void Evaluate(Samples& samples, Index begin, Index end) const;
-  /// \param derivatives of the geometry, 3 m
-  [[nodiscard]] Eigen::Vector3d Normal(
-    const double* derivatives, const Eigen::Vector3d& gradient) const;
-  void Copy(const Samples& from, Index first, Samples& to, Index at, Index count) const;
+
+  // Loops: ZeroSetLoops.cxx
+  void FindFlatLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
+  /// False where a curve around it could not be followed.
+  bool FindLoops(std::size_t leaf, Scratch& scratch) const;
 
   // Facets: ZeroSetFacets.cxx
   bool Fill();
-  [[nodiscard]] std::optional<Shape> Probe(
-    const Eigen::Vector3d& start, const Eigen::Vector3d& width, int axis) const;
   void FillLeaf(std::size_t number, Scratch& scratch, Facets& facets) const;
   [[nodiscard]] std::uint64_t SignatureOf(const std::vector<std::vector<Index>>& loops) const;
   /// Adds the mesh of a loop that begins at that place of Facets::Loops.
   void Add(const Facets& piece, Index begin, Facets& facets) const;
-  void FindFlatLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
-  /// False where a curve around it could not be followed.
-  bool FindLoops(std::size_t leaf, Scratch& scratch) const;
   void FillLoop(
     const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
-  /// An edge of more than two triangles: inside several leaves, or inside one and around others.
-  struct CrowdedEdge
-  {
-    std::array<Index, 2> Ends; ///< shared points
-    int Sheets;                ///< that have it
-  };
-  /// Gives sheets a point of their own on such an edge, so that they stay surfaces.
-  void PartSheets(std::vector<CrowdedEdge> edges);
-  /// \returns false where no triangle of the leaf is on the other side, or no point is found
-  bool SplitEdge(
-    std::size_t leaf, std::size_t cell, std::size_t side, double place, Scratch& scratch);
   bool FillSheet(
     const Leaf& leaf, const std::vector<Index>& loop, Scratch& scratch, Facets& facets) const;
   /// How much is done to meet the tolerances: nothing; points added as long as not most triangles
@@ -299,6 +305,42 @@ private:
     Facets& facets) const;
   void FillPolygon(
     const std::vector<Index>& loop, std::vector<FacetTriangulation::Triangle>& triangles) const;
+
+  // Sheets: ZeroSetSheets.cxx
+  /// An edge of more than two triangles: inside several leaves, or inside one and around others.
+  struct CrowdedEdge
+  {
+    std::array<Index, 2> Ends; ///< shared points
+    int Sheets;                ///< that have it
+  };
+  /// Gives sheets a point of their own on such an edge, so that they stay surfaces.
+  void PartSheets(std::vector<CrowdedEdge> edges);
+  /// \returns false where no triangle of the leaf is on the other side, or no point is found
+  bool SplitEdge(
+    std::size_t leaf, std::size_t cell, std::size_t side, double place, Scratch& scratch);
+
+  // Mesh: ZeroSetMesh.cxx
+  void Assemble();
+  /// The edges of cells that no other cell has on its other side, as they turn.
+  /// \returns those that more than two cells have
+  std::vector<CrowdedEdge> FindOpenEdges();
+  /// Bits of the sides of the domain (0..5) that an edge of shared points lies in.
+  [[nodiscard]] unsigned SidesOf(const std::array<Index, 2>& edge) const;
+  void MendNormals();
+
+  // Samples: ZeroSetSamples.cxx, ZeroSetProbe.cxx, ZeroSetMeasure.cxx
+  void Evaluate(Samples& samples, Index begin, Index end) const;
+  /// \param derivatives of the geometry, 3 m
+  [[nodiscard]] Eigen::Vector3d Normal(
+    const double* derivatives, const Eigen::Vector3d& gradient) const;
+  void Copy(const Samples& from, Index first, Samples& to, Index at, Index count) const;
+  [[nodiscard]] std::optional<Shape> Probe(
+    const Eigen::Vector3d& start, const Eigen::Vector3d& width, int axis) const;
+  /// Sets Curve::Measured, and in `errors` what it is of what is aimed at: of curve k the
+  /// `counts[k]` samples from `firsts[k]` on; `places` are where on each chord it is measured.
+  void MeasureCurves(Index begin, const std::vector<std::size_t>& which,
+    const std::vector<Index>& firsts, const std::vector<Index>& counts, const Samples& samples,
+    const std::vector<int>& axisOf, const std::vector<double>& places, std::vector<double>& errors);
   /// Of triangles whose first `boundary` points are those of the loop and the others inner ones.
   /// \param missing triangles that miss a tolerance, and by which factor
   /// \returns the largest error by its tolerance
@@ -314,15 +356,6 @@ private:
   }
   /// Of linear cells, at points inside them.
   void Measure(const Middles& middles, std::vector<Error>& errors) const;
-
-  // Mesh: ZeroSetMesh.cxx
-  void Assemble();
-  /// The edges of cells that no other cell has on its other side, as they turn.
-  /// \returns those that more than two cells have
-  std::vector<CrowdedEdge> FindOpenEdges();
-  /// Bits of the sides of the domain (0..5) that an edge of shared points lies in.
-  [[nodiscard]] unsigned SidesOf(const std::array<Index, 2>& edge) const;
-  void MendNormals();
 
   /// Whether attributes have tolerances to meet.
   [[nodiscard]] bool HasAttributes() const

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ZeroSetWorker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+namespace hyperpatch
+{
+
+namespace
+{
+
+/// What two parameters must differ by to be told apart after a sum or product.
+double Resolution(double a, double b)
+{
+  return std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
+}
+
+}
+
+bool ZeroSet::Worker::FindVertices()
+{
+  const auto count = static_cast<Index>(this->Vertices.size());
+  this->Shared.Resize(*this, count);
+  return this->Parallel(count, Batch,
+    [&](Index begin, Index end)
+    {
+      // Bracketed roots along edges, all of a batch in step: false position with Illinois' halved
+      // weights, and a bisection wherever it does not halve the bracket in three steps.
+      struct Bracket
+      {
+        Index Vertex;
+        int Axis;
+        double Low, High, FLow, FHigh;
+        double WeightLow, WeightHigh; ///< Illinois: of an end that stays
+        double Width;
+        int Side, Steps;
+      };
+      constexpr int Most = 4 * 64; // steps, should every bracket have to be bisected
+      std::vector<Bracket> open;
+      std::vector<double> parameters;
+      std::vector<double> values;
+      for (Index v = begin; v < end; ++v)
+      {
+        const Vertex& vertex = this->Vertices[static_cast<std::size_t>(v)];
+        this->Shared.Parameters.col(v) = this->ParameterOf(vertex.At);
+        if (vertex.Axis > 3)
+        {
+          const int axis = vertex.Axis - 4;
+          const int line = vertex.At[static_cast<std::size_t>(axis)];
+          double& middle = this->Shared.Parameters(axis, v);
+          middle = 0.5 * (middle + this->Line(axis, line + vertex.Size));
+        }
+        if (vertex.Axis < 3)
+        {
+          const auto axis = static_cast<std::size_t>(vertex.Axis);
+          double low = this->Line(vertex.Axis, vertex.At[axis]);
+          double high = this->Line(vertex.Axis, vertex.At[axis] + vertex.Size);
+          double fLow = vertex.FLow;
+          double fHigh = vertex.FHigh;
+          if (high < low)
+          {
+            std::swap(low, high);
+            std::swap(fLow, fHigh);
+          }
+          open.push_back({ v, vertex.Axis, low, high, fLow, fHigh, 1.0, 1.0, high - low, 0, 0 });
+        }
+      }
+      for (int iteration = 0; !open.empty(); ++iteration)
+      {
+        parameters.resize(3 * open.size());
+        values.resize(open.size());
+        for (std::size_t b = 0; b < open.size(); ++b)
+        {
+          Bracket& o = open[b];
+          const double low = o.WeightLow * o.FLow;
+          const double high = o.WeightHigh * o.FHigh;
+          double t = o.Low - low * (o.High - o.Low) / (high - low);
+          if (o.Steps == 3)
+          {
+            o.Steps = 0;
+            if (o.High - o.Low > 0.5 * o.Width)
+            {
+              t = 0.5 * (o.Low + o.High);
+              o.WeightLow = o.WeightHigh = 1.0;
+              o.Side = 0;
+            }
+            o.Width = o.High - o.Low;
+          }
+          ++o.Steps;
+          // Never closer to an end than it matters: so a root beside an end closes the bracket.
+          const double step = std::min(Resolution(o.Low, o.High), 0.5 * (o.High - o.Low));
+          t = t > o.Low + step ? t : o.Low + step;
+          t = t < o.High - step ? t : o.High - step;
+          for (int d = 0; d < 3; ++d)
+          {
+            parameters[3 * b + static_cast<std::size_t>(d)] = this->Shared.Parameters(d, o.Vertex);
+          }
+          parameters[3 * b + static_cast<std::size_t>(o.Axis)] = t;
+        }
+        this->Field.Evaluate(open.size(), parameters.data(), values.data());
+        std::size_t kept = 0;
+        for (std::size_t b = 0; b < open.size(); ++b)
+        {
+          Bracket o = open[b];
+          const double t = parameters[3 * b + static_cast<std::size_t>(o.Axis)];
+          const double f = values[b];
+          if ((f >= 0.0) == (o.FHigh >= 0.0))
+          {
+            o.High = t;
+            o.FHigh = f;
+            o.WeightHigh = 1.0;
+            o.WeightLow *= o.Side == 1 ? 0.5 : 1.0;
+            o.Side = 1;
+          }
+          else
+          {
+            o.Low = t;
+            o.FLow = f;
+            o.WeightLow = 1.0;
+            o.WeightHigh *= o.Side == -1 ? 0.5 : 1.0;
+            o.Side = -1;
+          }
+          if (f == 0.0 || o.High - o.Low <= 2.0 * Resolution(o.Low, o.High) || iteration == Most ||
+            !std::isfinite(f))
+          {
+            const bool low = std::abs(o.FLow) < std::abs(o.FHigh);
+            this->Shared.Parameters(o.Axis, o.Vertex) = low ? o.Low : o.High;
+          }
+          else
+          {
+            open[kept++] = o;
+          }
+        }
+        open.resize(kept);
+      }
+      this->Evaluate(this->Shared, begin, end);
+      for (Index v = begin; v < end; ++v)
+      {
+        Vertex& vertex = this->Vertices[static_cast<std::size_t>(v)];
+        if (vertex.Axis < 3)
+        {
+          const int line = vertex.At[static_cast<std::size_t>(vertex.Axis)];
+          const double low = this->Line(vertex.Axis, line);
+          const double high = this->Line(vertex.Axis, line + vertex.Size);
+          vertex.Fraction = (this->Shared.Parameters(vertex.Axis, v) - low) / (high - low);
+        }
+        vertex.IsZero = this->Shared.Residuals[v] == 0.0;
+      }
+    });
+}
+
+void ZeroSet::Worker::Snap()
+{
+  // Vertices of the edges around a node, if they are near to it: (node, vertex).
+  constexpr double Near = 0.1;
+  std::vector<std::pair<Node, Index>> around;
+  for (std::size_t v = 0; v < this->Vertices.size(); ++v)
+  {
+    const Vertex& vertex = this->Vertices[v];
+    if (vertex.Axis > 3)
+    {
+      continue;
+    }
+    Node node = vertex.At;
+    if (vertex.Axis < 3)
+    {
+      if (vertex.Fraction > Near && vertex.Fraction < 1.0 - Near)
+      {
+        continue;
+      }
+      node[static_cast<std::size_t>(vertex.Axis)] += vertex.Fraction > 0.5 ? vertex.Size : 0;
+    }
+    around.emplace_back(node, static_cast<Index>(v));
+  }
+  std::sort(around.begin(), around.end());
+  std::vector<Index> vertexOf(this->Vertices.size());
+  for (std::size_t v = 0; v < vertexOf.size(); ++v)
+  {
+    vertexOf[v] = static_cast<Index>(v);
+  }
+  for (std::size_t first = 0, end = 0; first < around.size(); first = end)
+  {
+    const Node& node = around[first].first;
+    while (end < around.size() && around[end].first == node)
+    {
+      ++end;
+    }
+    // The creases through the node in which the edge of a vertex does not lie. One that stays in
+    // all of them can stand for the others.
+    const auto leaves = [&](Index v)
+    {
+      const int axis = this->Vertices[static_cast<std::size_t>(v)].Axis;
+      return axis < 3 &&
+          this->Lines[static_cast<std::size_t>(axis)].IsCrease(node[static_cast<std::size_t>(axis)])
+        ? 1
+        : 0;
+    };
+    const auto best = std::min_element(around.begin() + static_cast<std::ptrdiff_t>(first),
+      around.begin() + static_cast<std::ptrdiff_t>(end),
+      [&](const auto& a, const auto& b)
+      {
+        // By place in space, which all patches around have the same bits of.
+        const auto place = [this](Index v) -> std::array<double, 3>
+        {
+          const auto x = this->Shared.Points.col(v);
+          return { x[0], x[1], x[2] };
+        };
+        return std::make_tuple(leaves(a.second), place(a.second)) <
+          std::make_tuple(leaves(b.second), place(b.second));
+      });
+    for (std::size_t i = first; i < end; ++i)
+    {
+      const Index v = around[i].second;
+      if (leaves(best->second) == 0 || v == best->second)
+      {
+        vertexOf[static_cast<std::size_t>(v)] = best->second;
+      }
+    }
+  }
+  // Curves with the same ends become one, except that of creases those in one plane only (which is
+  // all that the patch on the other side of it sees), and of edges those that are that edge.
+  constexpr int Anywhere = 0;
+  constexpr int OnEdge = -1;
+  this->CurveOf.assign(this->Curves.size(), -1);
+  Numbering ends;
+  std::vector<Index> firstOf;
+  const auto join = [&](std::size_t c, int where, bool isNewAnywhere)
+  {
+    const auto [low, high] = std::minmax(this->Curves[c].From, this->Curves[c].To);
+    const auto [number, isNew] =
+      ends.Number({ static_cast<int>(low), static_cast<int>(high), where, 0 });
+    if (isNew)
+    {
+      firstOf.push_back(static_cast<Index>(c));
+    }
+    if (isNewAnywhere)
+    {
+      this->CurveOf[c] = firstOf[static_cast<std::size_t>(number)];
+    }
+  };
+  for (const bool onCrease : { true, false })
+  {
+    for (std::size_t c = 0; c < this->Curves.size(); ++c)
+    {
+      Curve& curve = this->Curves[c];
+      if (curve.IsOnCrease != onCrease)
+      {
+        continue;
+      }
+      if (curve.EdgeAxis >= 0)
+      {
+        const Node& at = std::min(this->Vertices[static_cast<std::size_t>(curve.From)].At,
+          this->Vertices[static_cast<std::size_t>(curve.To)].At);
+        const Index middle = this->VertexKeys.Find({ at[0], at[1], at[2], 4 + curve.EdgeAxis });
+        curve.EdgeAxis =
+          this->Vertices[static_cast<std::size_t>(middle)].IsZero ? curve.EdgeAxis : -1;
+      }
+      curve.From = vertexOf[static_cast<std::size_t>(curve.From)];
+      curve.To = vertexOf[static_cast<std::size_t>(curve.To)];
+      if (curve.From == curve.To)
+      {
+        continue;
+      }
+      const int plane = 1 + curve.Normal + 3 * (curve.Line / CellLines::RootSize);
+      join(c, !onCrease ? Anywhere : curve.EdgeAxis >= 0 ? OnEdge : plane, true);
+      if (onCrease)
+      {
+        join(c, Anywhere, false); // for those that are not on a crease
+      }
+    }
+  }
+}
+
+}
