@@ -5,12 +5,22 @@
 #include "Measures.h"
 #include "NURBSConversion.h"
 
+#include "vtkBox.h"
+#include "vtkFieldData.h"
+#include "vtkLinearTransform.h"
+#include "vtkMatrix4x4.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPartitionedDataSetCollection.h"
+#include "vtkStringArray.h"
 #include "vtkType.h"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <map>
@@ -31,12 +41,13 @@ using hyperpatch::Patch;
 using PatchBounds = std::map<int, Bounds>;
 
 /// The parts of patches on this rank, as AllGather() takes them: id, low and high.
-std::vector<double> PackBounds(const MultiPatch& model)
+/// \param axes rows are the directions that bounds are in
+std::vector<double> PackBounds(const MultiPatch& model, const Eigen::Matrix3d& axes)
 {
   std::vector<double> records;
   for (const Patch& patch : model.Patches)
   {
-    const Eigen::MatrixXd& points = patch.Body.Geometry().Coefficients();
+    const Eigen::Matrix3Xd points = axes * patch.Body.Geometry().Coefficients();
     const Eigen::Vector3d low = points.rowwise().minCoeff();
     const Eigen::Vector3d high = points.rowwise().maxCoeff();
     records.push_back(patch.Id);
@@ -64,27 +75,72 @@ PatchBounds UnpackBounds(const std::vector<double>& records)
   return all;
 }
 
-std::set<int> FindIds(const PatchBounds& patches, const std::vector<int>& ids)
+/// The points whose products with the rows of Axes, which have unit length, lie between Low and
+/// High.
+struct Slabs
 {
-  for (const int id : ids)
+  Eigen::Matrix3d Axes;
+  Eigen::Vector3d Low;
+  Eigen::Vector3d High;
+};
+
+Slabs SlabsOf(vtkBox* box)
+{
+  Eigen::Matrix3d edges = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  if (box->GetTransform())
   {
-    if (patches.count(id) == 0)
+    // The inverse of what is a flat box's transform into itself: its matrix is there all the same.
+    auto transform = vtkLinearTransform::SafeDownCast(box->GetTransform()->GetInverse());
+    if (!transform)
     {
-      // Thousands of ids would hide the message; they are consecutive as a rule.
-      std::string known;
-      int listed = 0;
-      for (auto it = patches.begin(); it != patches.end() && listed < 20; ++it, ++listed)
+      throw Error("the transform of the box is not linear");
+    }
+    const vtkMatrix4x4* matrix = transform->GetMatrix();
+    for (int i = 0; i < 3; ++i)
+    {
+      origin[i] = matrix->GetElement(i, 3);
+      for (int j = 0; j < 3; ++j)
       {
-        known += (known.empty() ? "" : ", ") + std::to_string(it->first);
+        edges(i, j) = matrix->GetElement(i, j);
       }
-      if (patches.size() > 20)
-      {
-        known += ", ... " + std::to_string(patches.rbegin()->first);
-      }
-      throw Error("there is no patch " + std::to_string(id) + "; there are " + known);
     }
   }
-  return { ids.begin(), ids.end() };
+  std::array<double, 6> bounds{};
+  box->GetBounds(bounds.data());
+  Eigen::Vector3d low(bounds[0], bounds[2], bounds[4]);
+  Eigen::Vector3d high(bounds[1], bounds[3], bounds[5]);
+  if (!edges.allFinite() || !origin.allFinite() || !low.allFinite() || !high.allFinite())
+  {
+    throw Error("the box has parameters that are not finite numbers");
+  }
+  // A direction in which the transform leaves no extent becomes one across the others.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(edges, Eigen::ComputeFullU);
+  int across = 2;
+  for (int d = 0; d < 3; ++d)
+  {
+    if (edges.col(d).isZero(0.0))
+    {
+      edges.col(d) = svd.matrixU().col(across--);
+      low[d] = high[d] = 0.0;
+    }
+  }
+  Slabs slabs{ edges.inverse(), low, high };
+  if (!slabs.Axes.allFinite())
+  {
+    throw Error("the edges of the box lie in a plane");
+  }
+  for (int d = 0; d < 3; ++d)
+  {
+    const double length = slabs.Axes.row(d).norm();
+    slabs.Axes.row(d) /= length;
+    slabs.Low[d] /= length;
+    slabs.High[d] /= length;
+  }
+  const Eigen::Vector3d shift = slabs.Axes * origin;
+  slabs.Low += shift;
+  slabs.High += shift;
+  return slabs;
 }
 
 /// Ids of the patches that have a side in a boundary; none if it is not there.
@@ -99,24 +155,6 @@ std::vector<double> IdsOnBoundary(const MultiPatch& model, const std::string& na
       {
         ids.push_back(id);
       }
-    }
-  }
-  return ids;
-}
-
-std::set<int> FindInBox(const PatchBounds& patches, const double box[6])
-{
-  std::set<int> ids;
-  for (const auto& [id, bounds] : patches)
-  {
-    bool meets = true;
-    for (std::size_t d = 0; d < 3; ++d)
-    {
-      meets = meets && bounds.Low[d] <= box[2 * d + 1] && bounds.High[d] >= box[2 * d];
-    }
-    if (meets)
-    {
-      ids.insert(id);
     }
   }
   return ids;
@@ -150,6 +188,10 @@ MultiPatch Restrict(const MultiPatch& model, const std::set<int>& ids)
 VTK_ABI_NAMESPACE_BEGIN
 vtkStandardNewMacro(vtkNURBSExtractPatches);
 
+vtkNURBSExtractPatches::vtkNURBSExtractPatches() = default;
+
+vtkNURBSExtractPatches::~vtkNURBSExtractPatches() = default;
+
 void vtkNURBSExtractPatches::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
@@ -161,12 +203,53 @@ void vtkNURBSExtractPatches::PrintSelf(ostream& os, vtkIndent indent)
     os << " " << id;
   }
   os << "\n" << indent << "BoundaryName: " << this->BoundaryName << "\n";
-  os << indent << "Box:";
-  for (const double end : this->Box)
+  os << indent << "BoundaryNames: " << this->BoundaryNames.Get() << "\n";
+  os << indent << "Box: " << this->Box.Get() << "\n";
+}
+
+vtkMTimeType vtkNURBSExtractPatches::GetMTime()
+{
+  const vtkMTimeType own = this->Superclass::GetMTime();
+  return this->Box ? std::max(own, this->Box->GetMTime()) : own;
+}
+
+void vtkNURBSExtractPatches::SetBox(vtkBox* box)
+{
+  if (this->Box != box)
   {
-    os << " " << end;
+    this->Box = box;
+    this->Modified();
   }
-  os << "\n";
+}
+
+vtkBox* vtkNURBSExtractPatches::GetBox()
+{
+  return this->Box;
+}
+
+vtkStringArray* vtkNURBSExtractPatches::GetBoundaryNames()
+{
+  this->BoundaryNames = vtkSmartPointer<vtkStringArray>::New();
+  vtkDataObject* input =
+    this->GetNumberOfInputConnections(0) ? this->GetInputDataObject(0, 0) : nullptr;
+  if (input)
+  {
+    // The boundaries alone, without the patches.
+    vtkNew<vtkPartitionedDataSetCollection> topology;
+    topology->GetFieldData()->ShallowCopy(input->GetFieldData());
+    try
+    {
+      for (const Boundary& boundary : hyperpatch::FromVTK(topology).Boundaries)
+      {
+        this->BoundaryNames->InsertNextValue(boundary.Name);
+      }
+    }
+    catch (const Error&)
+    {
+      // Told by the update.
+    }
+  }
+  return this->BoundaryNames;
 }
 
 void vtkNURBSExtractPatches::SetNumberOfPatchIds(int number)
@@ -206,15 +289,73 @@ int vtkNURBSExtractPatches::OutputType() const
 void vtkNURBSExtractPatches::Execute(const MultiPatch& model, vtkDataObject* output)
 {
   // Parts of a patch may be on several ranks, which must choose and fail alike.
-  const PatchBounds patches = UnpackBounds(this->AllGather(PackBounds(model)));
-  const std::set<int> ids = this->ExtractBy == PATCH_IDS ? FindIds(patches, this->PatchIds)
+  const std::set<int> ids = this->ExtractBy == PATCH_IDS ? this->FindIds(model)
     : this->ExtractBy == BOUNDARY                        ? this->FindBoundary(model)
-                                                         : FindInBox(patches, this->Box);
+                                                         : this->FindInBox(model);
   MultiPatch chosen = Restrict(model, ids);
   const std::vector<std::string> attributes =
     this->GatherNames(hyperpatch::OwnBasisAttributes(chosen));
   hyperpatch::ToVTK(
     std::move(chosen), vtkPartitionedDataSetCollection::SafeDownCast(output), attributes);
+}
+
+std::set<int> vtkNURBSExtractPatches::FindIds(const MultiPatch& model) const
+{
+  std::vector<double> own;
+  for (const Patch& patch : model.Patches)
+  {
+    own.push_back(patch.Id);
+  }
+  const std::vector<double> all = this->AllGather(own);
+  const std::set<int> patches(all.begin(), all.end());
+  for (const int id : this->PatchIds)
+  {
+    if (patches.count(id) == 0)
+    {
+      // Thousands of ids would hide the message; they are consecutive as a rule.
+      std::string known;
+      int listed = 0;
+      for (auto it = patches.begin(); it != patches.end() && listed < 20; ++it, ++listed)
+      {
+        known += (known.empty() ? "" : ", ") + std::to_string(*it);
+      }
+      if (patches.size() > 20)
+      {
+        known += ", ... " + std::to_string(*patches.rbegin());
+      }
+      throw Error("there is no patch " + std::to_string(id) + "; there are " + known);
+    }
+  }
+  return { this->PatchIds.begin(), this->PatchIds.end() };
+}
+
+std::set<int> vtkNURBSExtractPatches::FindInBox(const MultiPatch& model) const
+{
+  if (!this->Box)
+  {
+    throw Error("there is no box to choose by: set Box");
+  }
+  const Slabs slabs = SlabsOf(this->Box);
+  std::set<int> ids;
+  for (const auto& [id, bounds] : UnpackBounds(this->AllGather(PackBounds(model, slabs.Axes))))
+  {
+    bool meets = true;
+    for (int d = 0; d < 3; ++d)
+    {
+      const double low = bounds.Low[static_cast<std::size_t>(d)];
+      const double high = bounds.High[static_cast<std::size_t>(d)];
+      // To touch is to meet, though the axes of the box are rounded.
+      const double slack = 1e-12 *
+        std::max(
+          { std::abs(low), std::abs(high), std::abs(slabs.Low[d]), std::abs(slabs.High[d]) });
+      meets = meets && low <= slabs.High[d] + slack && high >= slabs.Low[d] - slack;
+    }
+    if (meets)
+    {
+      ids.insert(id);
+    }
+  }
+  return ids;
 }
 
 std::set<int> vtkNURBSExtractPatches::FindBoundary(const MultiPatch& model) const

@@ -23,10 +23,14 @@
 
 #include "vtkNURBSAlgorithm.h"
 #include "vtkNURBSFiltersModule.h" // for the export macro
+#include "vtkSmartPointer.h"       // for the box
 
 #include <set>    // for ids of patches
 #include <string> // for the name of the boundary
 #include <vector> // for the ids
+
+class vtkBox;
+class vtkStringArray;
 
 class VTKNURBSFILTERS_EXPORT vtkNURBSExtractPatches : public vtkNURBSAlgorithm
 {
@@ -34,6 +38,9 @@ public:
   static vtkNURBSExtractPatches* New();
   vtkTypeMacro(vtkNURBSExtractPatches, vtkNURBSAlgorithm)
   void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// Also that of the box.
+  vtkMTimeType GetMTime() override;
 
   enum ExtractByTypes
   {
@@ -69,18 +76,24 @@ public:
   vtkGetCharFromStdStringMacro(BoundaryName);
   ///@}
 
+  /**
+   * The names of the boundaries of the input as it is now; to choose from.
+   */
+  vtkStringArray* GetBoundaryNames();
+
   ///@{
   /**
-   * Least and largest x, y and z of a box: patches are chosen whose control points have bounds that
-   * meet it. The solid of a patch lies in these bounds. Default 0, 1, 0, 1, 0, 1.
+   * A box, which a linear transform may have turned: patches are chosen whose control points have
+   * bounds, in the axes of the box, that meet it. The solid of a patch lies in these bounds. A box
+   * may be flat. There is none at first, which is an error.
    */
-  vtkSetVector6Macro(Box, double);
-  vtkGetVector6Macro(Box, double);
+  void SetBox(vtkBox* box);
+  vtkBox* GetBox();
   ///@}
 
 protected:
-  vtkNURBSExtractPatches() = default;
-  ~vtkNURBSExtractPatches() override = default;
+  vtkNURBSExtractPatches();
+  ~vtkNURBSExtractPatches() override;
 
   int OutputType() const override;
   void Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output) override;
@@ -89,13 +102,16 @@ private:
   vtkNURBSExtractPatches(const vtkNURBSExtractPatches&) = delete;
   void operator=(const vtkNURBSExtractPatches&) = delete;
 
+  std::set<int> FindIds(const hyperpatch::MultiPatch& model) const;
   std::set<int> FindBoundary(const hyperpatch::MultiPatch& model) const;
+  std::set<int> FindInBox(const hyperpatch::MultiPatch& model) const;
   std::vector<std::string> GatherNames(const std::vector<std::string>& names) const;
 
   int ExtractBy = PATCH_IDS;
   std::vector<int> PatchIds = { 0 };
   std::string BoundaryName;
-  double Box[6] = { 0.0, 1.0, 0.0, 1.0, 0.0, 1.0 };
+  vtkSmartPointer<vtkStringArray> BoundaryNames;
+  vtkSmartPointer<vtkBox> Box;
 };
 
 #endif

@@ -3,14 +3,19 @@
 #include "NURBSConversion.h"
 #include "vtkNURBSExtractPatches.h"
 
+#include "vtkBox.h"
 #include "vtkCallbackCommand.h"
 #include "vtkCommand.h"
 #include "vtkNew.h"
 #include "vtkPartitionedDataSetCollection.h"
+#include "vtkStringArray.h"
+#include "vtkThinPlateSplineTransform.h"
+#include "vtkTransform.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <random>
 #include <string>
 #include <vector>
@@ -138,15 +143,100 @@ TEST(ExtractPatches, ABoundaryChoosesThePatchesOnIt)
 TEST(ExtractPatches, ABoxChoosesThePatchesThatItMeets)
 {
   Extraction run(Row());
+  vtkNew<vtkBox> box;
   run.Filter->SetExtractBy(vtkNURBSExtractPatches::BOX);
+  run.Filter->SetBox(box);
   // The second and the third tube begin at z = 5 and 10; touching is meeting.
-  run.Filter->SetBox(-1, 3, -1, 3, 4.5, 10);
+  box->SetBounds(-1, 3, -1, 3, 4.5, 10);
   EXPECT_EQ(Extraction::Ids(run.Update()), (std::vector<int>{ 8, 5 }));
-  run.Filter->SetBox(-1, 3, -1, 3, 4.5, 9.9);
+  box->SetBounds(-1, 3, -1, 3, 4.5, 9.9);
   EXPECT_EQ(Extraction::Ids(run.Update()), (std::vector<int>{ 8 }));
-  run.Filter->SetBox(50, 60, -1, 3, 0, 20);
+  box->SetBounds(50, 60, -1, 3, 0, 20);
   EXPECT_TRUE(run.Update().Patches.empty());
   EXPECT_TRUE(run.Errors.empty());
+}
+
+TEST(ExtractPatches, ATurnedBoxChoosesByItsOwnAxes)
+{
+  Extraction run(Row());
+  // Long and thin, from the origin up and away: its bounds meet all tubes, it the first alone.
+  vtkNew<vtkTransform> transform;
+  transform->RotateY(-45.0);
+  transform->Scale(20.0, 1.0, 0.1);
+  transform->Inverse();
+  vtkNew<vtkBox> box;
+  box->SetBounds(0, 1, 0, 1, 0, 1);
+  box->SetTransform(transform);
+  run.Filter->SetExtractBy(vtkNURBSExtractPatches::BOX);
+  run.Filter->SetBox(box);
+  EXPECT_EQ(Extraction::Ids(run.Update()), (std::vector<int>{ 3 }));
+  EXPECT_TRUE(run.Errors.empty());
+}
+
+TEST(ExtractPatches, ABoxMayBeFlat)
+{
+  Extraction run(Row());
+  vtkNew<vtkBox> box;
+  box->SetBounds(0, 1, 0, 1, 0, 1);
+  run.Filter->SetExtractBy(vtkNURBSExtractPatches::BOX);
+  run.Filter->SetBox(box);
+  for (const double z : { 4.9, 5.0, 10.2 })
+  {
+    // As ParaView's box: its size is a scale, of which there is no inverse here.
+    vtkNew<vtkTransform> transform;
+    transform->Translate(-1.0, -1.0, z);
+    transform->Scale(4.0, 4.0, 0.0);
+    transform->Inverse();
+    box->SetTransform(transform);
+    EXPECT_EQ(Extraction::Ids(run.Update()),
+      (z < 5.0      ? std::vector<int>{}
+          : z < 6.0 ? std::vector<int>{ 8 }
+                    : std::vector<int>{ 5 }));
+  }
+  EXPECT_TRUE(run.Errors.empty());
+}
+
+TEST(ExtractPatches, ABoxThatIsNoneIsAnError)
+{
+  Extraction run(Row());
+  run.Filter->SetExtractBy(vtkNURBSExtractPatches::BOX);
+  EXPECT_TRUE(run.Update().Patches.empty());
+  ASSERT_EQ(run.Errors.size(), 1u);
+  EXPECT_NE(run.Errors[0].find("there is no box to choose by: set Box"), std::string::npos);
+
+  vtkNew<vtkBox> box;
+  box->SetBounds(0, NAN, 0, 1, 0, 1);
+  run.Filter->SetBox(box);
+  EXPECT_TRUE(run.Update().Patches.empty());
+  ASSERT_EQ(run.Errors.size(), 2u);
+  EXPECT_NE(run.Errors[1].find("not finite"), std::string::npos);
+
+  vtkNew<vtkThinPlateSplineTransform> bent;
+  box->SetBounds(0, 1, 0, 1, 0, 1);
+  box->SetTransform(bent);
+  EXPECT_TRUE(run.Update().Patches.empty());
+  ASSERT_EQ(run.Errors.size(), 3u);
+  EXPECT_NE(run.Errors[2].find("the transform of the box is not linear"), std::string::npos);
+
+  const double sheared[16] = { 1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+  vtkNew<vtkTransform> flat;
+  flat->SetMatrix(sheared);
+  flat->Inverse();
+  box->SetTransform(flat);
+  EXPECT_TRUE(run.Update().Patches.empty());
+  ASSERT_EQ(run.Errors.size(), 4u);
+  EXPECT_NE(run.Errors[3].find("the edges of the box lie in a plane"), std::string::npos);
+}
+
+TEST(ExtractPatches, NamesOfBoundariesAreOfferedAsTheyAre)
+{
+  vtkNew<vtkNURBSExtractPatches> bare;
+  EXPECT_EQ(bare->GetBoundaryNames()->GetNumberOfValues(), 0);
+  Extraction run(Row());
+  vtkStringArray* names = run.Filter->GetBoundaryNames();
+  ASSERT_EQ(names->GetNumberOfValues(), 2);
+  EXPECT_EQ(names->GetValue(0), "wall");
+  EXPECT_EQ(names->GetValue(1), "end");
 }
 
 TEST(ExtractPatches, PartsOfAPatchAreChosenTogether)
@@ -164,10 +254,12 @@ TEST(ExtractPatches, PartsOfAPatchAreChosenTogether)
   run.Filter->SetExtractBy(vtkNURBSExtractPatches::BOX);
   // The lowest point along x of a single part.
   Eigen::Index lowest = 0;
-  const Eigen::MatrixXd& points = whole.Patches[0].Body.Geometry().Coefficients();
+  const auto points = whole.Patches[0].Body.Geometry().Coefficients();
   points.row(0).minCoeff(&lowest);
   const Eigen::Vector3d x = points.col(lowest);
-  run.Filter->SetBox(x[0] - 1.0, x[0], x[1], x[1], x[2], x[2]);
+  vtkNew<vtkBox> box;
+  box->SetBounds(x[0] - 1.0, x[0], x[1], x[1], x[2], x[2]);
+  run.Filter->SetBox(box);
   EXPECT_EQ(run.Update().Patches.size(), parts.Patches.size());
 }
 

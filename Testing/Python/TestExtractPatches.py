@@ -42,8 +42,26 @@ class ExtractPatches(unittest.TestCase):
 
     def test_a_box_begins_as_the_bounds_and_takes_all(self):
         extract = simple.NURBSExtractPatches(Input=self.model, ExtractBy='Box')
-        self.assertEqual(tuple(extract.Box), self.model.GetDataInformation().GetBounds())
+        bounds = self.model.GetDataInformation().GetBounds()
+        self.assertEqual(list(extract.Box.Position), list(bounds[::2]))
+        self.assertEqual(list(extract.Box.Length), [b - a for a, b in zip(bounds[::2], bounds[1::2])])
         self.assertEqual(self.volume(extract), self.volume(self.model))
+        # Away from the model there is nothing.
+        extract.Box.Position = [bounds[1] + 1, 0, 0]
+        extract.UpdatePipeline()
+        self.assertEqual(extract.GetDataInformation().GetNumberOfPoints(), 0)
+
+    def test_the_boundaries_of_the_input_are_offered(self):
+        blocks = common.open_file(os.path.join(common.DATA, 'two_blocks.txt'))
+        extract = simple.NURBSExtractPatches(Input=blocks, ExtractBy='Boundary')
+        self.assertEqual(list(extract.GetProperty('BoundaryName').Available), ['BOUNDARY left', 'BOUNDARY right'])
+        self.assertEqual(extract.BoundaryName, 'BOUNDARY left')
+        bounds = []
+        for name in ('BOUNDARY left', 'BOUNDARY right'):
+            extract.BoundaryName = name
+            extract.UpdatePipeline()
+            bounds.append(extract.GetDataInformation().GetBounds()[:2])
+        self.assertEqual(bounds, [(0.0, 1.0), (1.0, 2.0)])
 
     def test_what_is_not_there_gives_one_error(self):
         for arguments, text in (({'PatchIds': [7]}, 'no patch 7; there are 0, 1'),

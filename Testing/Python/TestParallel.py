@@ -13,8 +13,8 @@ from paraview import simple
 
 FILTERS = ('tessellate', 'slice', 'contour', 'boundary', 'extract')
 COUNTS = ('OpenEdgesInside', 'OpenEdgesOnInterfaces', 'CertifiedCells')
-# Meets one end of either model.
-BOX = [0.0, 0.5, 0.0, 1.0, 0.0, 0.5]
+# Position and length of a box that meets one end of either model.
+BOX = [0.0, 0.0, 0.0], [0.5, 1.0, 0.5]
 
 
 LENS = 'lens'
@@ -53,7 +53,7 @@ def rank():
                        [data.GetFieldData().GetArray(count).GetValue(0) for count in COUNTS])
     # The choice of a box is that of whole patches, whichever parts a process has.
     chosen = simple.NURBSExtractPatches(Input=model, ExtractBy='Box')
-    chosen.Box = BOX
+    chosen.Box.Position, chosen.Box.Length = BOX
     skin = simple.NURBSTessellate(Input=chosen)
     skin.UpdatePipeline()
     data = skin.GetClientSideObject().GetOutputDataObject(0)
