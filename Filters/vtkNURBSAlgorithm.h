@@ -8,8 +8,8 @@
  * Execute(), and OutputType() unless its output is vtkPolyData.
  *
  * Input: a control lattice in one of the forms of NURBSConversion.h:
- * vtkPartitionedDataSetCollection, vtkStructuredGrid, or vtkUnstructuredGrid of
- * VTK_BEZIER_HEXAHEDRON. The converted model is kept until the input changes, so that another value
+ * vtkPartitionedDataSetCollection, another composite of vtkStructuredGrid, one of these alone, or
+ * vtkUnstructuredGrid of VTK_BEZIER_HEXAHEDRON. The converted model is kept until the input changes, so that another value
  * of a property does not convert again.
  *
  * Output: of a subclass. Empty input gives empty output without a message; bad input gives one

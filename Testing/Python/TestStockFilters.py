@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """ParaView's own filters on a control lattice: which are exact, and which are wrong and say so."""
+import os
 import unittest
 
 import common
@@ -145,6 +146,100 @@ class StockFilters(unittest.TestCase):
             self.assertEqual(len(texts), 1, (name, texts))
             self.assertIn(expected, texts[0], name)
             self.assertEqual(data.GetNumberOfPoints(), 0, name)
+
+
+class ControlNet(unittest.TestCase):
+    """A quarter of a tube with the radii 1 and 2 and the height 1; its control net has right angles.
+
+    Of the field with the coefficients x^2 + y^2, coefficients reach 8 and values 5.66.
+    """
+
+    def setUp(self):
+        self.model = simple.Calculator(
+            Input=common.open_file(os.path.join(common.DATA, 'quarter_tube.g2')),
+            Function='coordsX*coordsX+coordsY*coordsY')
+        self.solid = simple.NURBSTessellate(Input=self.model, MeshType='Solid', Tolerance=1e-5)
+
+    def silently(self, proxy):
+        with common.messages() as texts:
+            proxy.UpdatePipeline()
+        self.assertEqual(texts, [])
+        return proxy
+
+    def test_integrals_are_those_of_the_net(self):
+        volumes = [common.fetch(self.silently(simple.IntegrateVariables(Input=data)))
+                   .GetCellData().GetArray('Volume').GetValue(0)
+                   for data in (self.model, self.solid)]
+        self.assertAlmostEqual(volumes[0], 3.0, 12)
+        self.assertAlmostEqual(volumes[1], 0.75 * numpy.pi, 3)
+
+    def test_probes_find_points_of_the_net_that_are_not_in_the_solid(self):
+        masks = []
+        for data in (self.model, self.solid):
+            probe = simple.ProbeLocation(Input=data, ProbeType='Fixed Radius Point Source')
+            probe.ProbeType.Center = [1.8, 1.8, 0.5]
+            data = common.fetch(self.silently(probe))
+            masks.append(common.point_array(data, 'vtkValidPointMask')[0])
+        self.assertEqual(masks, [1, 0])
+
+    def test_resampling_and_plots_sample_the_net(self):
+        def farthest(proxy):
+            data = common.fetch(self.silently(proxy))
+            places = numpy.array([data.GetPoint(i) for i in range(data.GetNumberOfPoints())])
+            valid = common.point_array(data, 'vtkValidPointMask') == 1
+            return numpy.linalg.norm(places[valid, :2], axis=1).max()
+
+        grid = simple.Wavelet(WholeExtent=[0, 2, 0, 2, 0, 1])
+        line = {'Point1': [0, 0, 0.5], 'Point2': [2, 2, 0.5]}
+        for sample in (lambda data: simple.ResampleToImage(Input=data,
+                                                           SamplingDimensions=[21, 21, 3]),
+                       lambda data: simple.ResampleWithDataset(SourceDataArrays=data,
+                                                               DestinationMesh=grid),
+                       lambda data: simple.PlotOverLine(Input=data, **line)):
+            self.assertGreater(farthest(sample(self.model)), 2.7)
+            # The corners of an image are outside by a rounding.
+            self.assertLess(farthest(sample(self.solid)), 2.0 + 1e-3)
+
+    def test_contours_are_those_of_coefficients(self):
+        cells = [self.silently(proxy).GetDataInformation().GetNumberOfCells() for proxy in (
+            simple.Contour(Input=self.model, ContourBy=['POINTS', 'Result'], Isosurfaces=[6]),
+            simple.NURBSContour(Input=self.model, ContourBy=['POINTS', 'Result'],
+                                Isosurfaces=[6]))]
+        self.assertGreater(cells[0], 0)
+        self.assertEqual(cells[1], 0)
+
+    def test_gradients_are_those_of_the_net(self):
+        steepest = [self.silently(simple.Gradient(Input=data, ScalarArray=['POINTS', 'Result']))
+                    .PointData['Gradient'].GetRange(0)[1] for data in (self.model, self.solid)]
+        self.assertAlmostEqual(steepest[0], 3.0)
+        self.assertAlmostEqual(steepest[1], 2.0 + numpy.sqrt(2.0), 3)
+
+    def test_attributes_of_another_basis_are_on_another_lattice(self):
+        pipe = common.open_file(common.PIPE)
+        image = self.silently(simple.ResampleToImage(Input=pipe, SamplingDimensions=[9, 9, 9]))
+        self.assertEqual(set(image.PointData.keys()), {'vtkGhostType', 'vtkValidPointMask'})
+        both = common.fetch(simple.IntegrateVariables(Input=pipe))
+        one = common.fetch(simple.IntegrateVariables(
+            Input=simple.ExtractBlock(Input=pipe, Selectors=['/Root/Geometry'])))
+        volumes = [data.GetCellData().GetArray('Volume').GetValue(0) for data in (both, one)]
+        self.assertGreater(volumes[0], 1.5 * volumes[1])
+
+    def test_append_and_group_refuse_collections(self):
+        other = common.open_file(common.PIPE)
+        for proxy in (simple.AppendDatasets(Input=[self.model, other]),
+                      simple.AppendGeometry(Input=[self.model, other]),
+                      simple.GroupDatasets(Input=[self.model, other])):
+            with common.messages() as texts:
+                proxy.UpdatePipeline()
+            self.assertIn('vtkPartitionedDataSetCollection', texts[0], proxy.GetXMLName())
+            self.assertEqual(proxy.GetDataInformation().GetNumberOfPoints(), 0)
+        # What it passes on of other collections is for NURBS Append.
+        group = simple.GroupDatasets(Input=[self.model, other], OutputType='vtkPartitionedDataSet')
+        self.silently(group)
+        with common.messages() as texts:
+            self.assertEqual(cut(group).GetNumberOfPoints(), 0)
+        self.assertEqual(len(texts), 1, texts)
+        self.assertIn('use NURBS Append', texts[0])
 
 
 if __name__ == '__main__':
