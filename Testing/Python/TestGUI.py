@@ -2,30 +2,14 @@
 """ParaView's window, as a user works with it."""
 import os
 import shutil
-import subprocess
 import unittest
 
 import common
 import gui
 
 MODEL = os.path.basename(common.PIPE)
-CLIP_TYPE = gui.PANEL + '/ClipType/ProxySelectionWidget/comboBox'
 PLANE = (gui.PANEL +
          '/SliceType/ProxySelectionWidget/frame/ChosenProxyWidget/InteractivePlane')
-TOLERANCE = gui.PANEL + '/Tolerance/DoubleRangeWidget/DoubleLineEdit'
-
-# What is in the pipeline and in the view.
-PIPELINE = '''
-view = simple.GetActiveView()
-simple.Render(view)
-pipeline = {}
-for (name, _), proxy in simple.GetSources().items():
-    data = proxy.GetDataInformation()
-    display = simple.GetDisplayProperties(proxy, view)
-    pipeline[name] = [proxy.GetXMLName(), data.GetNumberOfCells(), data.GetBounds(),
-                      display.Visibility, display.Representation.GetData(),
-                      display.ColorArrayName.GetData()[1]]
-'''
 CELLS = 'simple.GetActiveSource().GetDataInformation().GetNumberOfCells()'
 SELECT_MODEL = f'simple.SetActiveSource(simple.FindSource({MODEL!r}))'
 
@@ -43,13 +27,13 @@ class GUI(unittest.TestCase):
 
     def test_open_color_slice_contour_undo_trace_and_state(self):
         session = self.session()
-        trace, state = session.path('trace.py'), session.path('state.pvsm')
+        state = session.path('state.pvsm')
 
         def look(name):
-            session.python(f"{PIPELINE}\nrecord({name}=pipeline)\n"
+            session.python(f"{gui.PIPELINE}\nrecord({name}=pipeline)\n"
                            f"simple.SaveScreenshot({session.path(name + '.png')!r}, view)")
 
-        session.python('from paraview import smtrace; smtrace.start_trace()')
+        session.start_trace()
         session.load_plugin()
         session.open(common.PIPE, several_readers=True)
         session.apply()
@@ -58,7 +42,7 @@ class GUI(unittest.TestCase):
         session.python("colors = simple.GetColorTransferFunction('Temperature').RGBPoints\n"
                        "record(legend=[colors[0], colors[-4]])")
 
-        session.filter('NURBSSlice')
+        session.quick_launch('nurbs slice', 'NURBS Slice')
         session.check(PLANE + '/show3DWidget', 'checked', 'true')
         session.python('record(begin=list(simple.GetActiveSource().SliceType.Origin))')
         session.event(PLANE + '/useYNormal')
@@ -74,16 +58,14 @@ class GUI(unittest.TestCase):
         session.python('contour = simple.GetActiveSource()\nrecord(values=list(contour.Isosurfaces),'
                        "coefficients=contour.Input.PointData['Temperature'].GetRange())")
         look('contour')
-        session.python('from paraview import smtrace\n'
-                       f"with open({trace!r}, 'w', encoding='utf-8') as file:\n"
-                       '    file.write(smtrace.stop_trace())')
+        session.stop_trace()
 
-        session.event(TOLERANCE, 'set_string', '1e-05')
+        session.event(gui.TOLERANCE, 'set_string', '1e-05')
         session.apply()
         # Nothing that sets a property may come between a change and its undoing.
         session.python(f'record(fine={CELLS})')
         session.event('menubar/menu_Edit', 'activate', 'actionEditUndo')
-        session.check(TOLERANCE, 'text', '0.001')
+        session.check(gui.TOLERANCE, 'text', '0.001')
         look('undone')
 
         session.event('menubar/menu_File', 'activate', 'actionFileSaveServerState')
@@ -123,18 +105,7 @@ class GUI(unittest.TestCase):
         self.assertEqual(seen['left'], 0)
         self.assertEqual(seen['loaded'], seen['contour'])
         self.assertEqual((pictures[2] != pictures[3]).sum(), 0)
-        self.assertEqual(self.replay(session, trace), seen['contour'])
-
-    def replay(self, session, trace):
-        """The pipeline that pvpython makes of a trace."""
-        script = session.path('replay.py')
-        with open(trace, encoding='utf-8') as file:
-            text = file.read()
-        with open(script, 'w', encoding='utf-8') as file:
-            file.write(f'{text}\nfrom paraview import simple\n{PIPELINE}\nimport json\n'
-                       f"json.dump(pipeline, open({session.path('replayed')!r}, 'w'))\n")
-        subprocess.run([common.PVPYTHON, script], check=True, timeout=gui.TIMEOUT)
-        return session.load('replayed')
+        self.assertEqual(session.replay_trace(), seen['contour'])
 
     def test_panels_of_contour_and_clip_show_what_applies(self):
         session = self.session()
@@ -156,12 +127,12 @@ class GUI(unittest.TestCase):
         session.python('simple.Delete(simple.GetActiveSource())\n' + SELECT_MODEL)
         session.filter('NURBSClip')
         expect(ClipBy=False, Scalars=False, Component=False, Value=False, Invert=True)
-        session.event(CLIP_TYPE, 'set_string', 'Scalar')
+        session.event(gui.CLIP_TYPE, 'set_string', 'Scalar')
         session.event(gui.PANEL + '/Scalars/ComboBox', 'set_string', 'Temperature (partial)')
         expect(ClipBy=True, Scalars=True, Component=False, Value=True)
         session.event(gui.PANEL + '/ClipBy/ComboBox', 'set_string', 'Parametric Coordinates')
         expect(Scalars=False, Component=True, Value=True)
-        session.event(CLIP_TYPE, 'set_string', 'Sphere')
+        session.event(gui.CLIP_TYPE, 'set_string', 'Sphere')
         expect(ClipBy=False, Scalars=False, Component=False, Value=False)
         session.apply()
         session.python(f'record(cells={CELLS})')
@@ -170,7 +141,7 @@ class GUI(unittest.TestCase):
     def test_controls_that_do_not_apply_are_hidden(self):
         session = self.session()
         session.load_plugin()
-        session.open(os.path.join(common.DATA, 'tube_on_block.xml'), several_readers=True)
+        session.open(os.path.join(common.DATA, 'two_blocks.txt'), several_readers=True)
         session.apply()
         session.filter('NURBSExtractPatches')
         controls = ('PatchIds', 'BoundaryName', 'Box')
@@ -179,9 +150,12 @@ class GUI(unittest.TestCase):
             for name in controls:
                 session.check(f'{gui.PANEL}/{name}', 'visible',
                               'true' if name == control else 'false')
+        session.check(gui.PANEL + '/BoundaryName/ComboBox', 'currentText', 'BOUNDARY left')
+        session.check(gui.BOX + '/show3DWidget', 'checked', 'true')
+        session.event(gui.BOX + '/translateX', 'set_string', '1.25')
         session.apply()
-        session.python(f'record(cells={CELLS})')
-        self.assertGreater(session.play()['cells'], 0)
+        session.python('record(bounds=simple.GetActiveSource().GetDataInformation().GetBounds())')
+        self.assertEqual(session.play()['bounds'][:2], [1.0, 2.0])
 
     def test_a_curve_of_the_panel_becomes_a_surface(self):
         session = self.session()
@@ -192,7 +166,7 @@ class GUI(unittest.TestCase):
         session.filter('NURBSRevolve')
         session.event(gui.PANEL + '/Angle/DoubleRangeWidget/DoubleLineEdit', 'set_string', '180')
         session.apply()
-        session.python(f'{PIPELINE}\nrecord(pipeline=pipeline)')
+        session.python(f'{gui.PIPELINE}\nrecord(pipeline=pipeline)')
         session.source('NURBSPrimitive')
         for shape, shown_controls in (('Box', ['Lengths']), ('Tube', ['Radius', 'InnerRadius']),
                                       ('Helix', ['Radius', 'Pitch', 'Parametrisation'])):
@@ -232,7 +206,7 @@ class GUI(unittest.TestCase):
         session.apply()
         # The table opens no view, in which the next filter would be shown.
         session.python('record(view=simple.GetActiveView().GetXMLName())')
-        session.python(f'{PIPELINE}\nrecord(pipeline=pipeline)')
+        session.python(f'{gui.PIPELINE}\nrecord(pipeline=pipeline)')
         seen = session.play()
         self.assertEqual(seen['view'], 'RenderView')
         self.assertEqual(shown(seen['pipeline']), ['NURBSFit1'])

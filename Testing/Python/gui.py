@@ -20,7 +20,26 @@ TIMEOUT = 120
 PROPERTIES = 'propertiesDock/propertiesPanel'
 PANEL = PROPERTIES + ('/scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/'
                       'PropertiesFrame/ProxyPanel')
+TOLERANCE = PANEL + '/Tolerance/DoubleRangeWidget/DoubleLineEdit'
+CLIP_TYPE = PANEL + '/ClipType/ProxySelectionWidget/comboBox'
+BOX = PANEL + '/Box/ProxySelectionWidget/frame/ChosenProxyWidget/InteractiveBox'
 PLUGINS = 'PluginManagerDialog'
+# Of Qt.
+KEY_PRESS = 6
+KEY_RETURN = 0x01000004
+
+# What is in the pipeline and in the view.
+PIPELINE = '''
+view = simple.GetActiveView()
+simple.Render(view)
+pipeline = {}
+for (name, _), proxy in simple.GetSources().items():
+    data = proxy.GetDataInformation()
+    display = simple.GetDisplayProperties(proxy, view)
+    pipeline[name] = [proxy.GetXMLName(), data.GetNumberOfCells(), data.GetBounds(),
+                      display.Visibility, display.Representation.GetData(),
+                      display.ColorArrayName.GetData()[1]]
+'''
 
 MACRO = '''
 import json
@@ -80,6 +99,26 @@ class Session:
     def filter(self, name):
         self.event('menubar/menuFilters/NURBS', 'activate', name)
 
+    def quick_launch(self, typed, found):
+        """What Ctrl+Space opens: types, and takes the first that is found."""
+        self.event('menubar/menuFilters', 'activate', 'Search...\tCtrl+Space')
+        for character in typed:
+            self.event('QuickLaunchDialog', 'keyEvent',
+                       f'{KEY_PRESS}:{ord(character.upper())}:0:{character}:0:1')
+        self.check('QuickLaunchDialog/selection', 'text', found)
+        self.check('QuickLaunchDialog/selection', 'enabled', 'true')
+        self.event('QuickLaunchDialog', 'keyEvent', f'{KEY_PRESS}:{KEY_RETURN}:0::0:1')
+
+    def add_values(self, name, first, last):
+        """Two values more in a list of values, by the dialog that makes a series of them."""
+        values = f'{PANEL}/{name}/ScalarValueList'
+        dialog = values + '/SeriesGeneratorDialog'
+        self.event(values + '/AddRange')
+        self.event(dialog + '/min', 'set_string', str(first))
+        self.event(dialog + '/max', 'set_string', str(last))
+        self.event(dialog + '/nsamples', 'set_int', '2')
+        self.event(dialog + '/buttonBox/1QPushButton0')
+
     def apply(self):
         self.event(PROPERTIES + '/Accept')
 
@@ -119,7 +158,19 @@ class Session:
                 result.update(json.loads(line))
         return result
 
-    def load(self, name):
-        """A JSON file of the session's folder."""
-        with open(self.path(name), encoding='ascii') as file:
+    def start_trace(self):
+        self.python('from paraview import smtrace; smtrace.start_trace()')
+
+    def stop_trace(self):
+        self.python('from paraview import smtrace\n'
+                    f"with open({self.path('trace.py')!r}, 'w', encoding='utf-8') as file:\n"
+                    '    file.write(smtrace.stop_trace())')
+
+    def replay_trace(self):
+        """The pipeline that pvpython makes of the trace, as PIPELINE tells it. After play()."""
+        with open(self.path('trace.py'), 'a', encoding='utf-8') as file:
+            file.write(f'\nfrom paraview import simple\n{PIPELINE}\nimport json\n'
+                       f"json.dump(pipeline, open({self.path('replayed')!r}, 'w'))\n")
+        subprocess.run([common.PVPYTHON, file.name], check=True, timeout=TIMEOUT)
+        with open(self.path('replayed'), encoding='ascii') as file:
             return json.load(file)
