@@ -9,8 +9,8 @@
  *
  * Input: a control lattice in one of the forms of NURBSConversion.h:
  * vtkPartitionedDataSetCollection, another composite of vtkStructuredGrid, one of these alone, or
- * vtkUnstructuredGrid of VTK_BEZIER_HEXAHEDRON. The converted model is kept until the input changes, so that another value
- * of a property does not convert again.
+ * vtkUnstructuredGrid of VTK_BEZIER_HEXAHEDRON. The converted model is kept until the input
+ * changes, so that another value of a property does not convert again.
  *
  * Output: of a subclass. Empty input gives empty output without a message; bad input gives one
  * error message and empty outputs; a cancelled run gives empty outputs. In a parallel run that
