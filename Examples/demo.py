@@ -13,11 +13,12 @@ import os
 import sys
 
 from paraview.simple import *
+from paraview.vtk.util.numpy_support import vtk_to_numpy
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 SAMPLE = os.path.join(ROOT, 'Data', 'heated_pipe_bend.vtpc')
 
-ASPECT = 4 / 3  # of every picture
+ASPECT = 8 / 5  # of every picture
 LEGEND = 0.2  # of the width of its picture
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -52,6 +53,7 @@ attribute = attributes[0]
 inside = NURBSTessellate(Input=model, MeshType='Solid')
 inside.UpdatePipeline()
 bounds = inside.GetDataInformation().GetBounds()
+points = vtk_to_numpy(servermanager.Fetch(inside).GetPoints().GetData())
 size = [bounds[2 * i + 1] - bounds[2 * i] for i in range(3)]
 low, high = inside.PointData[attribute].GetRange()
 # Three digits of the range are enough to read, and round-off is none of them.
@@ -67,7 +69,7 @@ layout = CreateLayout('Hyperpatch')
 layout.SplitHorizontal(0, 0.5)
 layout.SplitVertical(1, 0.5)
 layout.SplitVertical(2, 0.5)
-layout.SetSize(1200, 900)
+layout.SetSize(1200, 750)
 views = []
 for cell in (3, 5, 4, 6):
     views.append(CreateView('RenderView'))
@@ -97,17 +99,21 @@ def frame(view, room):
     view.CameraViewUp = [0, 0, 1]
     view.ResetCamera(True)
     matrix = view.GetActiveCamera().GetViewTransformMatrix()
-    right, up = ([matrix.GetElement(row, d) for d in range(3)] for row in (0, 1))
-    width, height = (sum(size[d] * abs(axis[d]) for d in range(3)) for axis in (right, up))
+    axes = [[matrix.GetElement(row, d) for d in range(3)] for row in (0, 1)]
+    # The model in the picture, to the right and up.
+    places = [points @ axis for axis in axes]
+    width, height = (place.max() - place.min() for place in places)
     view.CameraParallelScale = 0.53 * max(height, width / (1.0 - room) / ASPECT)
-    shift = room * view.CameraParallelScale * ASPECT
-    for place in (view.CameraPosition, view.CameraFocalPoint):
-        for d in range(3):
-            place[d] += shift * right[d]
+    for place, axis, free in zip(places, axes, (room * ASPECT, 0.0)):
+        middle = 0.5 * (place.min() + place.max()) + free * view.CameraParallelScale
+        shift = middle - sum(view.CameraFocalPoint[d] * axis[d] for d in range(3))
+        for end in (view.CameraPosition, view.CameraFocalPoint):
+            for d in range(3):
+                end[d] += shift * axis[d]
 
 
-# Lattices show as NURBS Solid by themselves.
-solid = show(model, views[0])
+# Lattices show as NURBS Solid by themselves; the edges are those of the knot spans.
+solid = show(model, views[0], Representation='NURBS Solid With Edges', EdgeColor=[0, 0, 0.2])
 solid.SetScalarBarVisibility(views[0], True)
 legend = GetScalarBar(colors, views[0])
 legend.WindowLocation = 'Any Location'
@@ -146,5 +152,5 @@ for view in views:
 for name, picture in zip(('solid', 'slices', 'isosurfaces', 'boundary', 'overview'),
                          views + [layout]):
     path = os.path.join(arguments.output, name + '.png')
-    SaveScreenshot(path, picture, ImageResolution=[1200, 900])
+    SaveScreenshot(path, picture, ImageResolution=[1200, 750])
     print(path)
