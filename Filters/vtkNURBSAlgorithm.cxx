@@ -209,6 +209,9 @@ bool vtkNURBSAlgorithm::Run(vtkDataObject* input, vtkDataObject* output)
         try
         {
           this->ExecuteInput(input, output);
+          // Who cancels at the very end does not want the output either.
+          this->SetProgressRange(0.0, 1.0);
+          this->ReportProgress(1.0);
         }
         catch (const Cancelled&)
         {

@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What holds for every filter of the module, those to come included: the list is made by CMake.
 #include "EveryFilter.h"
-#include "Models.h"
-#include "NURBSConversion.h"
+#include "EveryFilterInput.h"
 
 #include "vtkAlgorithm.h"
 #include "vtkCallbackCommand.h"
-#include "vtkCellArray.h"
 #include "vtkCommand.h"
-#include "vtkDataArray.h"
 #include "vtkDataObject.h"
-#include "vtkImageData.h"
-#include "vtkInformation.h"
 #include "vtkNew.h"
-#include "vtkPartitionedDataSetCollection.h"
-#include "vtkPlane.h"
-#include "vtkPointData.h"
-#include "vtkPoints.h"
-#include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
 
 #include <gtest/gtest.h>
@@ -30,11 +20,9 @@
 #include <iostream>
 #include <limits>
 #include <ostream>
-#include <random>
 #include <string>
+#include <thread>
 #include <vector>
-
-using namespace hyperpatch;
 
 namespace
 {
@@ -62,104 +50,6 @@ std::vector<NamedFilter> EveryFilter()
   return filters;
 }
 
-/// A dented cube with elements enough for many steps of progress, and a temperature in a basis of
-/// its own. It does not fold.
-MultiPatch DentedCube()
-{
-  constexpr int spans = 12;
-  constexpr int degree = 3;
-  const KnotVector knots = KnotVector::Uniform(degree, spans + degree);
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> dent(-0.1 / spans, 0.1 / spans);
-  const Eigen::Index n = knots.Size();
-  Eigen::MatrixXd points(3, n * n * n);
-  for (Eigen::Index c = 0; c < points.cols(); ++c)
-  {
-    const auto place = [&](Eigen::Index i)
-    { return knots.Greville(static_cast<int>(i % n)) + dent(random); };
-    points.col(c) << place(c), place(c / n), place(c / n / n);
-  }
-  const KnotVector coarse = KnotVector::Uniform(2, 5);
-  const Spline temperature = models::RandomSpline(random, { coarse, coarse, coarse }, 1, false);
-  MultiPatch model;
-  model.Patches.push_back(
-    { 0, Aggregate(Spline({ knots, knots, knots }, points), { { "Temperature", temperature } }) });
-  return model;
-}
-
-/// A parabola in the plane of this y.
-vtkSmartPointer<vtkPartitionedDataSetCollection> Parabola(double y)
-{
-  Eigen::MatrixXd points(3, 3);
-  points << 1, 2, 3, y, y, y, 0, 1, 0;
-  MultiPatch model;
-  model.Patches.push_back({ 0, Aggregate(Spline({ KnotVector::Uniform(2, 3), {}, {} }, points)) });
-  auto lattice = vtkSmartPointer<vtkPartitionedDataSetCollection>::New();
-  ToVTK(model, lattice);
-  return lattice;
-}
-
-/// What a filter needs beyond its defaults to give something, and its input if that is no volume.
-void Prepare(vtkAlgorithm* filter)
-{
-  filter->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "Temperature");
-  if (auto slice = vtkNURBSSlice::SafeDownCast(filter))
-  {
-    vtkNew<vtkPlane> plane;
-    plane->SetOrigin(0.5, 0.5, 0.5);
-    plane->SetNormal(1.0, 2.0, 3.0);
-    slice->SetSliceFunction(plane);
-  }
-  else if (auto clip = vtkNURBSClip::SafeDownCast(filter))
-  {
-    vtkNew<vtkPlane> plane;
-    plane->SetOrigin(0.5, 0.5, 0.5);
-    plane->SetNormal(1.0, 2.0, 3.0);
-    clip->SetClipFunction(plane);
-  }
-  else if (auto contour = vtkNURBSContour::SafeDownCast(filter))
-  {
-    contour->SetNumberOfContours(1);
-    contour->SetValue(0, 0.0);
-  }
-  else if (vtkNURBSFit::SafeDownCast(filter))
-  {
-    // It takes samples.
-    vtkNew<vtkImageData> image;
-    image->SetDimensions(40, 40, 40);
-    image->AllocateScalars(VTK_FLOAT, 3);
-    image->GetPointData()->GetScalars()->Fill(1.0);
-    filter->SetInputDataObject(image);
-  }
-  else if (filter->IsA("vtkNURBSExtrude") || filter->IsA("vtkNURBSRevolve") ||
-    filter->IsA("vtkNURBSSweep"))
-  {
-    for (int port = 0; port < filter->GetNumberOfInputPorts(); ++port)
-    {
-      filter->SetInputDataObject(port, Parabola(0.0));
-    }
-  }
-  else if (filter->IsA("vtkNURBSLoft") || filter->IsA("vtkNURBSRule"))
-  {
-    filter->SetInputDataObject(Parabola(0.0));
-    filter->AddInputDataObject(Parabola(1.0));
-  }
-  else if (filter->IsA("vtkNURBSCurveThroughPoints"))
-  {
-    vtkNew<vtkPoints> points;
-    vtkNew<vtkCellArray> lines;
-    lines->InsertNextCell(5);
-    for (int i = 0; i < 5; ++i)
-    {
-      lines->InsertCellPoint(points->InsertNextPoint(i, i * i, 0.0));
-    }
-    vtkNew<vtkPolyData> line;
-    line->SetPoints(points);
-    line->SetLines(lines);
-    filter->SetInputDataObject(line);
-  }
-}
-
 /// A filter on the cube and what it reports.
 class ObservedRun
 {
@@ -167,16 +57,8 @@ public:
   explicit ObservedRun(const NamedFilter& named)
     : Filter(named.New())
   {
-    static const MultiPatch model = DentedCube();
-    ToVTK(model, this->Input);
-    for (int port = 0; port < this->Filter->GetNumberOfInputPorts(); ++port)
-    {
-      if (!this->Filter->GetInputPortInformation(port)->Get(vtkAlgorithm::INPUT_IS_OPTIONAL()))
-      {
-        this->Filter->SetInputDataObject(port, this->Input);
-      }
-    }
-    Prepare(this->Filter);
+    static const EveryFilterInput input({ 12, 3, 40 });
+    input.Prepare(this->Filter);
     vtkNew<vtkCallbackCommand> progress;
     progress->SetClientData(this);
     progress->SetCallback([](vtkObject*, unsigned long, void* self, void* fraction)
@@ -205,11 +87,10 @@ public:
       output->GetNumberOfElements(vtkDataObject::CELL) };
   }
 
-  vtkNew<vtkPartitionedDataSetCollection> Input;
   vtkSmartPointer<vtkAlgorithm> Filter;
   std::vector<std::string> Errors;
   std::vector<double> Progress;
-  /// The event at which the user cancels, counted from 0.
+  /// The event at which another thread cancels, counted from 0.
   std::size_t CancelAt = std::numeric_limits<std::size_t>::max();
   /// A user who cancels waits that long at most: Cancel is seen where progress is reported.
   Clock::duration LongestSilence{};
@@ -222,7 +103,7 @@ private:
     this->Last = now;
     if (this->Progress.size() == this->CancelAt)
     {
-      this->Filter->SetAbortExecuteAndUpdateTime();
+      std::thread([this] { this->Filter->SetAbortExecuteAndUpdateTime(); }).join();
     }
     this->Progress.push_back(fraction);
   }
