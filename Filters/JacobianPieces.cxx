@@ -32,8 +32,9 @@ using Parameter = std::array<double, 3>;
 class Mesh
 {
 public:
-  explicit Mesh(vtkPolyData* mesh)
+  Mesh(vtkPolyData* mesh, const JacobianPieces::Check& check)
     : Data(mesh)
+    , MayGoOn(check)
     , Patches(mesh->GetCellData()->GetArray("PatchId"))
     , Pieces(mesh->GetCellData()->GetArray("Piece"))
     , Parameters(mesh->GetPointData()->GetArray("ParametricCoordinates"))
@@ -63,13 +64,26 @@ public:
     vtkNew<vtkIdList> corners;
     for (vtkIdType cell = 0; cell < this->Cells(); ++cell)
     {
+      this->CheckAt(cell);
       this->Data->GetCellPoints(cell, corners);
       body(cell, *corners);
     }
   }
 
+  /// In loops over cells or points.
+  void CheckAt(vtkIdType index) const
+  {
+    if (index % Batch == 0)
+    {
+      this->MayGoOn();
+    }
+  }
+
+  static constexpr vtkIdType Batch = 16384;
+
 private:
   vtkPolyData* Data;
+  const JacobianPieces::Check& MayGoOn;
   vtkDataArray* Patches;
   vtkDataArray* Pieces;
   vtkDataArray* Parameters;
@@ -116,6 +130,32 @@ bool IsWhole(int piece)
   return piece < vtkNURBSJacobianBoundary::KNOT_PLANE || piece == vtkNURBSJacobianBoundary::CELLS;
 }
 
+/// The parts here of each patch, as indices of the model's.
+std::map<int, std::vector<std::size_t>> PartsOf(const hyperpatch::MultiPatch& model)
+{
+  std::map<int, std::vector<std::size_t>> parts;
+  for (std::size_t i = 0; i < model.Patches.size(); ++i)
+  {
+    parts[model.Patches[i].Id].push_back(i);
+  }
+  return parts;
+}
+
+/// det J at the parameters, three numbers each.
+std::vector<double> DeterminantsAt(const hyperpatch::Spline& geometry,
+  const std::vector<double>& parameters, const JacobianPieces::Check& check)
+{
+  const hyperpatch::JacobianField field(geometry);
+  std::vector<double> values(parameters.size() / 3);
+  for (std::size_t begin = 0; begin < values.size(); begin += Mesh::Batch)
+  {
+    check();
+    const std::size_t count = std::min<std::size_t>(Mesh::Batch, values.size() - begin);
+    field.Evaluate(count, parameters.data() + 3 * begin, values.data() + begin);
+  }
+  return values;
+}
+
 PointKey KeyOf(int patch, int piece, const Parameter& at)
 {
   PointKey key{ static_cast<double>(patch), static_cast<double>(piece) };
@@ -156,23 +196,29 @@ std::map<int, std::array<std::set<float>, 3>> SeamsOf(const hyperpatch::MultiPat
 
 }
 
-void JacobianPieces::RemoveSheetsInFaces(const hyperpatch::MultiPatch& model, vtkPolyData* output)
+void JacobianPieces::RemoveSheetsInFaces(
+  const hyperpatch::MultiPatch& model, vtkPolyData* output, const Check& check)
 {
-  const Mesh mesh(output);
-  std::set<vtkIdType> removed;
-  for (const hyperpatch::Patch& patch : model.Patches)
+  const Mesh mesh(output, check);
+  // Triangles with their corners in a face. At its border a sheet may have some whose inside is not
+  // in it: there det J is not 0.
+  struct InFaces
   {
-    // Triangles with their corners in a face. At its border a sheet may have some whose inside is
-    // not in it: there det J is not 0.
-    std::vector<vtkIdType> cells;
-    std::vector<double> middles;
-    mesh.ForCells(
-      [&](vtkIdType cell, vtkIdList& corners)
+    std::vector<vtkIdType> Cells;
+    std::vector<double> Middles;
+  };
+  std::vector<InFaces> candidates(model.Patches.size());
+  const auto parts = PartsOf(model);
+  mesh.ForCells(
+    [&](vtkIdType cell, vtkIdList& corners)
+    {
+      if (mesh.Piece(cell) != vtkNURBSJacobianBoundary::SHEET)
       {
-        if (mesh.Patch(cell) != patch.Id || mesh.Piece(cell) != vtkNURBSJacobianBoundary::SHEET)
-        {
-          return;
-        }
+        return;
+      }
+      for (const std::size_t part : parts.at(mesh.Patch(cell)))
+      {
+        const hyperpatch::Patch& patch = model.Patches[part];
         Parameter middle{};
         std::array<bool, 6> isIn = patch.IsDomainFace;
         for (const vtkIdType corner : corners)
@@ -194,17 +240,22 @@ void JacobianPieces::RemoveSheetsInFaces(const hyperpatch::MultiPatch& model, vt
         {
           const auto d = static_cast<std::size_t>(side - isIn.begin()) / 2;
           middle[d] = mesh.ParameterOf(corners.GetId(0))[d];
-          cells.push_back(cell);
-          middles.insert(middles.end(), middle.begin(), middle.end());
+          InFaces& here = candidates[part];
+          here.Cells.push_back(cell);
+          here.Middles.insert(here.Middles.end(), middle.begin(), middle.end());
         }
-      });
+      }
+    });
+  std::set<vtkIdType> removed;
+  for (std::size_t part = 0; part < candidates.size(); ++part)
+  {
+    const auto& [cells, middles] = candidates[part];
     if (cells.empty())
     {
       continue;
     }
-    std::vector<double> values(cells.size());
-    hyperpatch::JacobianField(patch.Body.Geometry())
-      .Evaluate(cells.size(), middles.data(), values.data());
+    const std::vector<double> values =
+      DeterminantsAt(model.Patches[part].Body.Geometry(), middles, check);
     for (std::size_t i = 0; i < cells.size(); ++i)
     {
       if (values[i] == 0.0)
@@ -237,9 +288,10 @@ void JacobianPieces::RemoveSheetsInFaces(const hyperpatch::MultiPatch& model, vt
   output->ShallowCopy(rest);
 }
 
-void JacobianPieces::AddDeterminant(const hyperpatch::MultiPatch& model, vtkPolyData* output)
+void JacobianPieces::AddDeterminant(
+  const hyperpatch::MultiPatch& model, vtkPolyData* output, const Check& check)
 {
-  const Mesh mesh(output);
+  const Mesh mesh(output, check);
   vtkNew<vtkDoubleArray> values;
   values->SetName("JacobianDeterminant");
   values->SetNumberOfTuples(mesh.Points());
@@ -257,55 +309,78 @@ void JacobianPieces::AddDeterminant(const hyperpatch::MultiPatch& model, vtkPoly
         pieceOf[static_cast<std::size_t>(point)] = mesh.Piece(cell);
       }
     });
-  for (const hyperpatch::Patch& patch : model.Patches)
+
+  struct PointsOfPart
   {
-    const hyperpatch::Spline& geometry = patch.Body.Geometry();
-    if (geometry.Dimension() < 3)
+    std::array<std::vector<double>, 3> Creases;
+    std::vector<vtkIdType> Points;
+    std::vector<double> Parameters;
+  };
+  std::vector<PointsOfPart> work(model.Patches.size());
+  for (std::size_t part = 0; part < work.size(); ++part)
+  {
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      work[part].Creases[d] = model.Patches[part].Body.Geometry().Knots()[d].Creases();
+    }
+  }
+  const auto parts = PartsOf(model);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const auto point = static_cast<vtkIdType>(i);
+    mesh.CheckAt(point);
+    if (patchOf[i] < 0 || pieceOf[i] == vtkNURBSJacobianBoundary::KNOT_PLANE)
     {
       continue;
     }
-    std::array<std::vector<double>, 3> creases;
-    for (std::size_t d = 0; d < 3; ++d)
+    const Parameter at = mesh.ParameterOf(point);
+    for (const std::size_t part : parts.at(patchOf[i]))
     {
-      creases[d] = geometry.Knots()[d].Creases();
-    }
-    std::vector<vtkIdType> points;
-    std::vector<double> parameters;
-    for (std::size_t i = 0; i < count; ++i)
-    {
-      const auto point = static_cast<vtkIdType>(i);
-      const Parameter at = mesh.ParameterOf(point);
-      bool isHere = patchOf[i] == patch.Id && pieceOf[i] != vtkNURBSJacobianBoundary::KNOT_PLANE;
-      for (std::size_t d = 0; d < 3; ++d)
+      const hyperpatch::Spline& geometry = model.Patches[part].Body.Geometry();
+      bool isHere = geometry.Dimension() == 3;
+      for (std::size_t d = 0; isHere && d < 3; ++d)
       {
         const hyperpatch::KnotVector& knots = geometry.Knots()[d];
-        isHere = isHere && knots.First() <= at[d] && at[d] <= knots.Last() &&
+        const std::vector<double>& creases = work[part].Creases[d];
+        isHere = knots.First() <= at[d] && at[d] <= knots.Last() &&
           // A sheet that ends there is one of the limit from its own side.
           (pieceOf[i] != vtkNURBSJacobianBoundary::SHEET ||
-            !std::binary_search(creases[d].begin(), creases[d].end(), at[d]));
+            !std::binary_search(creases.begin(), creases.end(), at[d]));
       }
       if (isHere)
       {
-        points.push_back(point);
-        parameters.insert(parameters.end(), at.begin(), at.end());
+        work[part].Points.push_back(point);
+        work[part].Parameters.insert(work[part].Parameters.end(), at.begin(), at.end());
       }
     }
-    std::vector<double> here(points.size());
-    hyperpatch::JacobianField(geometry).Evaluate(points.size(), parameters.data(), here.data());
-    for (std::size_t i = 0; i < points.size(); ++i)
+  }
+  for (std::size_t part = 0; part < work.size(); ++part)
+  {
+    if (work[part].Points.empty())
     {
-      values->SetValue(points[i], here[i]);
+      continue;
+    }
+    const std::vector<double> here =
+      DeterminantsAt(model.Patches[part].Body.Geometry(), work[part].Parameters, check);
+    for (std::size_t i = 0; i < here.size(); ++i)
+    {
+      values->SetValue(work[part].Points[i], here[i]);
     }
   }
   output->GetPointData()->AddArray(values);
 }
 
 void JacobianPieces::AddIds(const hyperpatch::MultiPatch& model, vtkPolyData* output,
-  const std::function<std::vector<double>(const std::vector<double>&)>& allGather)
+  const std::function<std::vector<double>(const std::vector<double>&)>& allGather,
+  const Check& check)
 {
   // Pieces of this rank: over cells, and over points that blocks have in common.
-  const Mesh mesh(output);
-  Union joined(static_cast<std::size_t>(mesh.Points()));
+  const Mesh mesh(output, check);
+  const auto count = static_cast<std::size_t>(mesh.Points());
+  Union joined(count);
+  // Patch and piece of every point; a point is of one block, and so of one of each.
+  constexpr std::array<int, 2> Nowhere{ -1, -1 };
+  std::vector<std::array<int, 2>> home(count, Nowhere);
   std::map<PointKey, std::size_t> seam;
   std::map<std::pair<int, int>, std::size_t> faces;
   const auto seams = SeamsOf(model);
@@ -324,6 +399,11 @@ void JacobianPieces::AddIds(const hyperpatch::MultiPatch& model, vtkPolyData* ou
       {
         const auto point = static_cast<std::size_t>(corner);
         joined.Join(first, point);
+        if (home[point] != Nowhere)
+        {
+          continue;
+        }
+        home[point] = { patch, piece };
         const Parameter at = mesh.ParameterOf(corner);
         bool isOnSeam = false;
         for (std::size_t d = 0; d < 3; ++d)
@@ -337,39 +417,48 @@ void JacobianPieces::AddIds(const hyperpatch::MultiPatch& model, vtkPolyData* ou
       }
     });
 
-  // Their least points, and the points where other ranks may go on: key and piece of this rank.
-  std::map<std::size_t, PointKey> least;
-  mesh.ForCells(
-    [&](vtkIdType cell, vtkIdList& corners)
-    {
-      PointKey& known =
-        least
-          .emplace(joined.Find(static_cast<std::size_t>(corners.GetId(0))),
-            KeyOf(mesh.Patch(cell), mesh.Piece(cell), mesh.ParameterOf(corners.GetId(0))))
-          .first->second;
-      for (const vtkIdType corner : corners)
-      {
-        known =
-          std::min(known, KeyOf(mesh.Patch(cell), mesh.Piece(cell), mesh.ParameterOf(corner)));
-      }
-    });
-  std::vector<double> records;
-  const auto add = [&records, &least](const PointKey& key, std::size_t root)
+  // The pieces of this rank in the order of their first points, and the least keys of their points.
+  std::vector<std::size_t> pieceOf(count);
+  std::vector<PointKey> least;
+  for (std::size_t point = 0; point < count; ++point)
   {
-    const PointKey& piece = least.at(root);
+    mesh.CheckAt(static_cast<vtkIdType>(point));
+    if (home[point] == Nowhere)
+    {
+      continue;
+    }
+    const PointKey key =
+      KeyOf(home[point][0], home[point][1], mesh.ParameterOf(static_cast<vtkIdType>(point)));
+    // A piece is known by its first point.
+    const std::size_t root = joined.Find(point);
+    if (root == point)
+    {
+      pieceOf[point] = least.size();
+      least.push_back(key);
+    }
+    else
+    {
+      pieceOf[point] = pieceOf[root];
+      least[pieceOf[root]] = std::min(least[pieceOf[root]], key);
+    }
+  }
+  // What the ranks tell each other: the pieces, and the points where others may go on.
+  std::vector<double> records;
+  const auto add = [&records](const PointKey& key, const PointKey& piece)
+  {
     records.insert(records.end(), key.begin(), key.end());
     records.insert(records.end(), piece.begin(), piece.end());
   };
-  for (const auto& [root, key] : least)
+  for (const PointKey& key : least)
   {
     // Faces and cells meet themselves on other ranks wherever they are.
     const bool isWhole =
       key[1] < vtkNURBSJacobianBoundary::KNOT_PLANE || key[1] == vtkNURBSJacobianBoundary::CELLS;
-    add(isWhole ? PointKey{ key[0], key[1] } : key, root);
+    add(isWhole ? PointKey{ key[0], key[1] } : key, key);
   }
   for (const auto& [key, point] : seam)
   {
-    add(key, joined.Find(point));
+    add(key, least[pieceOf[point]]);
   }
   records = allGather(records);
 
@@ -404,14 +493,15 @@ void JacobianPieces::AddIds(const hyperpatch::MultiPatch& model, vtkPolyData* ou
     ids.emplace(all.Find(i), static_cast<int>(ids.size()));
   }
 
+  std::vector<int> idOf;
+  for (const PointKey& key : least)
+  {
+    idOf.push_back(ids.at(all.Find(number.at(key))));
+  }
   vtkNew<vtkIntArray> array;
   array->SetName("PieceId");
   array->SetNumberOfTuples(mesh.Cells());
-  mesh.ForCells(
-    [&](vtkIdType cell, vtkIdList& corners)
-    {
-      const std::size_t root = joined.Find(static_cast<std::size_t>(corners.GetId(0)));
-      array->SetValue(cell, ids.at(all.Find(number.at(least.at(root)))));
-    });
+  mesh.ForCells([&](vtkIdType cell, vtkIdList& corners)
+    { array->SetValue(cell, idOf[pieceOf[static_cast<std::size_t>(corners.GetId(0))]]); });
   output->GetCellData()->AddArray(array);
 }

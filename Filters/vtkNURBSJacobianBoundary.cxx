@@ -472,7 +472,7 @@ void vtkNURBSJacobianBoundary::Execute(const hyperpatch::MultiPatch& model, vtkD
   }
   const std::vector<PreparedPatch> blocks =
     this->Sheet ? this->SmoothBlocks(model) : std::vector<PreparedPatch>();
-  this->SetProgressRange(0.2, 0.8);
+  this->SetProgressRange(0.2, 0.7);
   vtkFieldData* fieldData = output->GetFieldData();
   if (isPaper)
   {
@@ -490,15 +490,20 @@ void vtkNURBSJacobianBoundary::Execute(const hyperpatch::MultiPatch& model, vtkD
   }
   if (this->KnotPlanes)
   {
-    this->SetProgressRange(0.8, 1.0);
+    this->SetProgressRange(0.7, 0.8);
     this->DrawKnotPlanes(model, tolerances, mesh, fieldData);
   }
   auto* result = vtkPolyData::SafeDownCast(output);
   mesh.Fill(result);
-  JacobianPieces::RemoveSheetsInFaces(model, result);
-  JacobianPieces::AddDeterminant(model, result);
+  const auto check = [this] { this->ReportProgress(0.0); };
+  this->SetProgressRange(0.85, 1.0);
+  JacobianPieces::RemoveSheetsInFaces(model, result, check);
+  this->SetProgressRange(0.9, 1.0);
+  JacobianPieces::AddDeterminant(model, result, check);
+  this->SetProgressRange(0.95, 1.0);
   JacobianPieces::AddIds(
-    model, result, [this](const std::vector<double>& records) { return this->AllGather(records); });
+    model, result, [this](const std::vector<double>& records) { return this->AllGather(records); },
+    check);
 }
 
 VTK_ABI_NAMESPACE_END
