@@ -19,6 +19,7 @@ parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument('folder', help='where the surfaces and the picture go')
 parser.add_argument('--state', help='the state file to write')
 arguments = parser.parse_args()
+os.makedirs(arguments.folder, exist_ok=True)
 
 # PV_PLUGIN_PATH has loaded the plugin; simple.LoadPlugin(FILE) is the way without it.
 if not hasattr(simple, 'NURBSCurve'):

@@ -18,6 +18,7 @@ parser.add_argument('file', help='Data/heated_pipe_bend.vtpc')
 parser.add_argument('folder', help='where the surfaces and the picture go')
 parser.add_argument('--state', help='the state file to write')
 arguments = parser.parse_args()
+os.makedirs(arguments.folder, exist_ok=True)
 
 # PV_PLUGIN_PATH has loaded the plugin; simple.LoadPlugin(FILE) is the way without it.
 if not hasattr(simple, 'NURBSSlice'):

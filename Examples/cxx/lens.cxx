@@ -28,6 +28,7 @@
 #include "vtkXMLPolyDataWriter.h"
 
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <string>
 
@@ -39,6 +40,7 @@ int main(int argc, char* argv[])
     return EXIT_FAILURE;
   }
   const std::string folder = argv[1];
+  std::filesystem::create_directories(folder);
 
   vtkNew<vtkNURBSCurve> line;
   line->SetNumberOfPoints(2);

@@ -26,6 +26,7 @@
 #include "vtkXMLPolyDataWriter.h"
 
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <string>
 
@@ -37,6 +38,7 @@ int main(int argc, char* argv[])
     return EXIT_FAILURE;
   }
   const std::string folder = argv[2];
+  std::filesystem::create_directories(folder);
 
   vtkNew<vtkBSplineReader> reader;
   reader->SetFileName(argv[1]);
