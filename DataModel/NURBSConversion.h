@@ -52,7 +52,8 @@ enum class Domains
              ///< too
 };
 
-/// The model in a data object, copied.
+/// The model in a data object. It shares arrays of doubles with the data, which must not be written
+/// to while the model is there.
 ///
 /// \param data a collection as above; any other composite of such grids; a bare vtkStructuredGrid
 /// with the same field data; or a vtkUnstructuredGrid of VTK_BEZIER_HEXAHEDRON, with optional

@@ -60,7 +60,7 @@ std::optional<Eigen::Vector2d> FindBelow(const Spline& field, double tolerance)
   {
     const Spline piece = std::move(pieces.back());
     pieces.pop_back();
-    const Eigen::MatrixXd& values = piece.Coefficients();
+    const auto values = piece.Coefficients();
     if (values.minCoeff() >= -2.0 * tolerance)
     {
       continue;

@@ -267,7 +267,9 @@ FitError MeasureError(const Spline& spline, const std::array<std::vector<double>
 {
   const Eigen::MatrixXd homogeneous =
     spline.IsRational() ? spline.Homogeneous() : Eigen::MatrixXd();
-  const Eigen::MatrixXd& points = spline.IsRational() ? homogeneous : spline.Coefficients();
+  const Eigen::Map<const Eigen::MatrixXd> points(
+    spline.IsRational() ? homogeneous.data() : spline.Coefficients().data(),
+    spline.Components() + (spline.IsRational() ? 1 : 0), spline.NumberOfControlPoints());
   const Index m = points.rows();
   const Index components = spline.Components();
   std::array<SparseRows, 3> bases;

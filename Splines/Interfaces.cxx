@@ -50,8 +50,8 @@ SideNet MakeSideNet(const Spline& spline, int side)
     sizes[static_cast<std::size_t>(net.Directions[1])] };
   net.Points = Eigen::MatrixXd::Zero(3, face.NumberOfControlPoints());
   net.Points.topRows(face.Components()) = face.Coefficients();
-  net.Weights =
-    face.IsRational() ? face.Weights() : Eigen::VectorXd::Ones(face.NumberOfControlPoints()).eval();
+  net.Weights = face.IsRational() ? Eigen::VectorXd(face.Weights())
+                                  : Eigen::VectorXd::Ones(face.NumberOfControlPoints());
   return net;
 }
 
@@ -255,7 +255,7 @@ std::vector<Interface> FindInterfaces(const MultiPatch& model, double relativeTo
   Eigen::Vector3d high = -low;
   for (const Patch& patch : model.Patches)
   {
-    const Eigen::MatrixXd& points = patch.Body.Geometry().Coefficients();
+    const auto points = patch.Body.Geometry().Coefficients();
     for (Eigen::Index d = 0; d < 3; ++d)
     {
       low[d] = std::min(low[d], d < points.rows() ? points.row(d).minCoeff() : 0.0);

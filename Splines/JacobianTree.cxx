@@ -112,7 +112,7 @@ public:
   {
     // As in JacobianSign.h: differences of homogeneous points about the centre, each right up to
     // the difference of the weights times the distance of the volume from the centre.
-    const Eigen::MatrixXd& points = this->S.Coefficients();
+    const auto points = this->S.Coefficients();
     const Eigen::Vector3d centre =
       0.5 * points.rowwise().minCoeff() + 0.5 * points.rowwise().maxCoeff();
     const Eigen::Matrix3Xd about = points.colwise() - centre;

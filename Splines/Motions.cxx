@@ -188,7 +188,7 @@ Spline Translation(const Eigen::Vector3d& vector)
 Spline Translation(const Spline& path)
 {
   const Spline curve = CheckedPath(path);
-  const Eigen::MatrixXd& points = curve.Coefficients();
+  const auto points = curve.Coefficients();
   Eigen::MatrixXd maps(12, points.cols());
   Map map = Map::Identity();
   for (Eigen::Index i = 0; i < points.cols(); ++i)
@@ -295,7 +295,7 @@ Spline FollowPath(const Spline& path, double twist, int sections)
   const std::vector<Eigen::Matrix3d> frames = MinimisingFrames(curve, sites);
   const auto count = static_cast<Eigen::Index>(sites.size());
   const Eigen::VectorXd weights =
-    curve.IsRational() ? curve.Weights() : Eigen::VectorXd::Ones(count).eval();
+    curve.IsRational() ? Eigen::VectorXd(curve.Weights()) : Eigen::VectorXd::Ones(count);
   const Spline denominator(curve.Knots(), weights.transpose());
   Eigen::MatrixXd turns(9, count);
   for (Eigen::Index i = 0; i < count; ++i)

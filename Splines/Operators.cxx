@@ -58,8 +58,8 @@ Spline MapDirection(
   }
   const Eigen::Index oldSlab = stride * sizes[Index(direction)];
   const Eigen::Index slabs = spline.NumberOfControlPoints() / oldSlab;
-  const Eigen::MatrixXd& points = spline.Coefficients();
-  const Eigen::VectorXd& weights = spline.Weights();
+  const auto points = spline.Coefficients();
+  const auto weights = spline.Weights();
   Eigen::MatrixXd newPoints(points.rows(), slabs * stride * static_cast<Eigen::Index>(rows.size()));
   Eigen::VectorXd newWeights(spline.IsRational() ? newPoints.cols() : 0);
   Eigen::Index to = 0;

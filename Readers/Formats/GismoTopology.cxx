@@ -150,7 +150,7 @@ bool Topology::AppendOldInterfaces(const std::vector<long long>& numbers, int di
   for (auto n = numbers.begin(); n != numbers.end(); n += length)
   {
     const Patch& patch = *this->FindPatch(n[0]);
-    const Eigen::MatrixXd& points = patch.Body.Geometry().Coefficients();
+    const auto points = patch.Body.Geometry().Coefficients();
     const double diagonal = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
     const auto interface = MatchSides(patch, static_cast<int>(n[1]) - 1, *this->FindPatch(n[2]),
       static_cast<int>(n[3]) - 1, 1e-2 * diagonal);

@@ -166,7 +166,7 @@ void SheetOfRealFile(benchmark::State& state)
   }
   const FileContents file = ReadSplineFile(std::string(folder) + "/gismo/tensorBSpline.xml");
   const Aggregate& body = file.Model.Patches.front().Body;
-  const Eigen::MatrixXd& points = body.Geometry().Coefficients();
+  const auto points = body.Geometry().Coefficients();
   ZeroSetOptions options;
   options.Tolerance = 1e-5 * static_cast<double>(state.range(0)) *
     (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();

@@ -68,10 +68,10 @@ MultiPatch TwoBases(std::mt19937& random)
   for (const int id : { 5, 7, 9 })
   {
     Spline geometry = RandomVolume(random, id != 7);
-    std::vector<Attribute> attributes{ SameBasisAttribute(random, geometry, "Displacement", 3) };
-    attributes.push_back(id == 7 ? SameBasisAttribute(random, geometry, "T", 1)
-                                 : OwnBasisAttribute(random, geometry, "T", id == 9));
-    model.Patches.push_back({ id, Aggregate(geometry, attributes) });
+    const Attribute displacement = SameBasisAttribute(random, geometry, "Displacement", 3);
+    const Attribute t = id == 7 ? SameBasisAttribute(random, geometry, "T", 1)
+                                : OwnBasisAttribute(random, geometry, "T", id == 9);
+    model.Patches.push_back({ id, Aggregate(geometry, { displacement, t }) });
   }
   model.Interfaces = { { { 5, 2, 7, 1, 0, 1, 2, 1, 1, 1 } }, { { 7, 2, 9, 1, 0, 1, 2, 1, 0, 1 } } };
   model.Boundaries = { { "inlet", { { 5, 0 } } }, { "walls", { { 5, 2 }, { 7, 3 } } },
@@ -159,6 +159,50 @@ TEST(NURBSConversion, RoundTripIsExact)
   std::mt19937 random(1);
   const MultiPatch model = TwoBases(random);
   ExpectSame(model, FromVTK(MakeCollection(model)));
+}
+
+TEST(NURBSConversion, ArraysOfDoublesAreSharedAndOutliveTheData)
+{
+  MultiPatch model;
+  std::mt19937 random(21);
+  const Spline volume = RandomVolume(random, true);
+  model.Patches.push_back({ 0, Aggregate(volume, { SameBasisAttribute(random, volume, "T", 1) }) });
+  MultiPatch shared;
+  {
+    vtkNew<vtkPartitionedDataSetCollection> collection;
+    ToVTK(model, collection);
+    auto grid = vtkStructuredGrid::SafeDownCast(collection->GetPartitionAsDataObject(0, 0));
+    shared = FromVTK(collection);
+    const Aggregate& body = shared.Patches[0].Body;
+    EXPECT_EQ(body.Geometry().Coefficients().data(), grid->GetPoints()->GetVoidPointer(0));
+    const auto pointer = [grid](const char* name)
+    { return grid->GetPointData()->GetArray(name)->GetVoidPointer(0); };
+    EXPECT_EQ(body.Geometry().Weights().data(), pointer("Weight"));
+    EXPECT_EQ(body.FindAttribute("T")->Coefficients().data(), pointer("T"));
+    EXPECT_EQ(body.FindAttribute("T")->Weights().data(), pointer("Weight"));
+  }
+  EXPECT_TRUE(shared.Patches[0].Body.Geometry() == volume);
+}
+
+TEST(NURBSConversion, ArraysOfOtherTypesAreConverted)
+{
+  MultiPatch model;
+  model.Patches.push_back({ 0, Aggregate(models::QuarterTube()) });
+  vtkNew<vtkPartitionedDataSetCollection> collection;
+  ToVTK(model, collection);
+  auto grid = vtkStructuredGrid::SafeDownCast(collection->GetPartitionAsDataObject(0, 0));
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToFloat();
+  points->SetNumberOfPoints(grid->GetNumberOfPoints());
+  for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i)
+  {
+    points->SetPoint(i, grid->GetPoint(i));
+  }
+  grid->SetPoints(points);
+  const Eigen::MatrixXd expected = models::QuarterTube().Coefficients();
+  const Eigen::MatrixXd found = FromVTK(collection).Patches[0].Body.Geometry().Coefficients();
+  EXPECT_LE((found - expected).cwiseAbs().maxCoeff(),
+    std::numeric_limits<float>::epsilon() * expected.cwiseAbs().maxCoeff());
 }
 
 TEST(NURBSConversion, PartsKeepTheirPlaceInThePatch)

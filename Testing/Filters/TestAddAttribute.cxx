@@ -264,7 +264,7 @@ TEST(AddAttribute, PointsOutsideTheDataAreRefusedOrFilled)
   run.Input->Modified();
   const MultiPatch result = run.Update();
   ASSERT_EQ(result.Patches.size(), 1u);
-  const Eigen::MatrixXd& points = result.Patches[0].Body.FindAttribute("Attribute")->Coefficients();
+  const auto points = result.Patches[0].Body.FindAttribute("Attribute")->Coefficients();
   EXPECT_TRUE(points.allFinite());
   EXPECT_LE(points.cwiseAbs().maxCoeff(), 10.0);
 }

@@ -409,7 +409,7 @@ TEST(Fit, DataCanBeTheControlPoints)
   Fit fit(image);
   fit.Filter->SetMethodToDataAsControlPoints();
   const MultiPatch model = fit.Update();
-  const Eigen::MatrixXd& points = model.Patches.at(0).Body.FindAttribute("Wave")->Coefficients();
+  const auto points = model.Patches.at(0).Body.FindAttribute("Wave")->Coefficients();
   for (Eigen::Index i = 0; i < points.cols(); ++i)
   {
     EXPECT_EQ(points(0, i), image->GetPointData()->GetArray("Wave")->GetTuple1(i));

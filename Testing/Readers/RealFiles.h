@@ -77,7 +77,7 @@ inline double Diagonal(const hyperpatch::MultiPatch& model)
   Eigen::VectorXd high = low;
   for (const hyperpatch::Patch& patch : model.Patches)
   {
-    const Eigen::MatrixXd& points = patch.Body.Geometry().Coefficients();
+    const auto points = patch.Body.Geometry().Coefficients();
     low = low.cwiseMin(points.rowwise().minCoeff());
     high = high.cwiseMax(points.rowwise().maxCoeff());
   }

@@ -96,7 +96,7 @@ public:
     attributes.push_back({ "A", Spline(knots, coefficients, weights) });
     this->Body = std::make_unique<const Aggregate>(std::move(geometry), std::move(attributes));
 
-    const Eigen::MatrixXd& points = this->Body->Geometry().Coefficients();
+    const auto points = this->Body->Geometry().Coefficients();
     const Eigen::Vector3d lower = points.rowwise().minCoeff();
     const Eigen::Vector3d upper = points.rowwise().maxCoeff();
     this->Diagonal = (upper - lower).norm();

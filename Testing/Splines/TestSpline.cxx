@@ -80,6 +80,32 @@ TEST(Spline, SharesBasisOnlyWithTheSameKnotsAndWeights)
   EXPECT_EQ(tube, models::QuarterTube());
 }
 
+TEST(Spline, CopiesShareTheirNumbers)
+{
+  const Spline tube = models::QuarterTube();
+  const Spline copy = tube;
+  EXPECT_EQ(copy.Coefficients().data(), tube.Coefficients().data());
+  EXPECT_EQ(copy.Weights().data(), tube.Weights().data());
+  EXPECT_TRUE(copy == tube);
+  // What is taken of one that goes at once is a copy.
+  const auto points = models::QuarterTube().Coefficients();
+  EXPECT_EQ(points, tube.Coefficients());
+}
+
+TEST(Spline, NumbersThatAreNotItsOwnAreNotCopied)
+{
+  const Spline tube = models::QuarterTube();
+  auto points = std::make_shared<Eigen::MatrixXd>(tube.Coefficients());
+  auto weights = std::make_shared<Eigen::VectorXd>(tube.Weights());
+  const double* const place = points->data();
+  const Spline shared(tube.Knots(), { { points, place }, points->rows(), points->cols() },
+    { { weights, weights->data() }, 1, weights->size() });
+  points.reset();
+  weights.reset();
+  EXPECT_EQ(shared.Coefficients().data(), place);
+  EXPECT_TRUE(shared == tube);
+}
+
 TEST(Spline, RefusesWhatDoesNotFit)
 {
   const Eigen::MatrixXd points = Eigen::MatrixXd::Zero(3, 8);
