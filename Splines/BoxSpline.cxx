@@ -11,6 +11,8 @@ namespace hyperpatch
 namespace
 {
 
+constexpr std::array<Part, 3> Everywhere{ Part::Whole, Part::Whole, Part::Whole };
+
 /// The first and last knot span that meet the open interval.
 std::array<int, 2> SpansOf(const KnotVector& knots, double low, double high)
 {
@@ -23,18 +25,46 @@ std::array<int, 2> SpansOf(const KnotVector& knots, double low, double high)
   return { first, last };
 }
 
+/// Sums of `Count` layers of numbers, `stride` of them each, times the weights.
+template <int Count>
+void CombineLayers(const double* from, std::ptrdiff_t stride, const double* weights, double* to)
+{
+  for (std::ptrdiff_t s = 0; s < stride; ++s)
+  {
+    double sum = weights[0] * from[s];
+    for (int i = 1; i < Count; ++i)
+    {
+      sum += weights[i] * from[s + i * stride];
+    }
+    to[s] = sum;
+  }
 }
 
-double BoxSpline::WindowVolume(const Spline& spline, const ParameterBox& box)
+void CombineLayers(
+  int count, const double* from, std::ptrdiff_t stride, const double* weights, double* to)
 {
-  double volume = 1.0;
-  for (std::size_t d = 0; d < 3; ++d)
+  switch (count)
   {
-    const KnotVector& knots = spline.Knots()[d];
-    const auto [first, last] = SpansOf(knots, box.Low[d], box.High[d]);
-    volume *= last - first + knots.Degree() + 1;
+    case 2:
+      return CombineLayers<2>(from, stride, weights, to);
+    case 3:
+      return CombineLayers<3>(from, stride, weights, to);
+    case 4:
+      return CombineLayers<4>(from, stride, weights, to);
+    case 5:
+      return CombineLayers<5>(from, stride, weights, to);
+    default:
+      for (std::ptrdiff_t s = 0; s < stride; ++s)
+      {
+        to[s] = weights[0] * from[s];
+        for (int i = 1; i < count; ++i)
+        {
+          to[s] += weights[i] * from[s + i * stride];
+        }
+      }
   }
-  return volume;
+}
+
 }
 
 void BoxSpline::FindWindow(const Spline& spline, const ParameterBox& box)
@@ -53,11 +83,8 @@ void BoxSpline::InsertEnds(const Spline& spline, const ParameterBox& box)
   this->Widen(0.0, {});
   this->P = spline.Degrees();
   this->N = this->WindowSize;
-  double largest = 0.0;
-  for (const double c : this->C)
-  {
-    largest = std::max(largest, std::abs(c));
-  }
+  const Range window = RangeOf(this->C.data(), Product(this->N));
+  const double largest = std::max(std::abs(window.Low), std::abs(window.High));
   int operations = 6;
   for (int d = 0; d < 3; ++d)
   {
@@ -71,6 +98,7 @@ void BoxSpline::InsertEnds(const Spline& spline, const ParameterBox& box)
   // Rows of knot insertion are convex combinations; their weights are sums of positive terms with
   // five roundings per degree (Higham 2002, section 3.1).
   this->Noise = operations * std::numeric_limits<double>::epsilon() * largest;
+  this->All = RangeOf(this->C.data(), Product(this->N));
 }
 
 void BoxSpline::InsertEnds(const KnotVector& knots, int direction, double low, double high)
@@ -97,44 +125,46 @@ void BoxSpline::InsertEnds(const KnotVector& knots, int direction, double low, d
   const std::ptrdiff_t stride = d == 0 ? 1
     : d == 1                           ? this->N[0]
                                        : static_cast<std::ptrdiff_t>(this->N[0]) * this->N[1];
-  const std::ptrdiff_t blocks = static_cast<std::ptrdiff_t>(this->C.size()) / (stride * this->N[d]);
-  this->Next.assign(static_cast<std::size_t>(stride * n * blocks), 0.0);
-  std::array<double, MaxDegree + 1> weights{};
+  const std::ptrdiff_t blocks = Product(this->N) / (stride * this->N[d]);
+  Reserve(stride * n * blocks, this->Next);
+  // Rows at both ends are sums; all knots of those between are the spline's own.
+  struct EndRow
+  {
+    int To, From;
+    std::array<double, MaxDegree + 1> Weights;
+  };
+  std::array<EndRow, 2 * MaxDegree + 1> ends;
+  std::size_t numberOfEnds = 0;
   for (int j = 0; j < n; ++j)
   {
-    int column = 0;
-    int count = 1;
-    weights[0] = 1.0;
     if (j >= p && j <= inside)
     {
-      // All its knots are the spline's own.
-      column = firstInside + (j - p) - 1 - this->WindowFirst[d];
+      j = inside;
+      continue;
     }
-    else
+    const double begin = local[static_cast<std::size_t>(j)];
+    int span = j <= p ? first : firstInside + (j - p) - 1;
+    while (knots[span + 1] <= begin)
     {
-      const double begin = local[static_cast<std::size_t>(j)];
-      int span = j <= p ? first : firstInside + (j - p) - 1;
-      while (knots[span + 1] <= begin)
-      {
-        ++span;
-      }
-      knots.BlossomWeights(span, &local[static_cast<std::size_t>(j) + 1], weights.data());
-      column = span - p - this->WindowFirst[d];
-      count = p + 1;
+      ++span;
     }
-    for (std::ptrdiff_t b = 0; b < blocks; ++b)
+    EndRow& row = ends[numberOfEnds++];
+    row.To = j;
+    row.From = span - p - this->WindowFirst[d];
+    knots.BlossomWeights(span, &local[static_cast<std::size_t>(j) + 1], row.Weights.data());
+  }
+  const int copied = std::max(0, inside - p + 1);
+  const int copiedFrom = firstInside - 1 - this->WindowFirst[d];
+  for (std::ptrdiff_t b = 0; b < blocks; ++b)
+  {
+    const double* from = this->C.data() + stride * this->N[d] * b;
+    double* to = this->Next.data() + stride * n * b;
+    std::copy_n(from + stride * copiedFrom, stride * copied, to + stride * p);
+    for (std::size_t e = 0; e < numberOfEnds; ++e)
     {
-      double* to = &this->Next[static_cast<std::size_t>(stride * (j + n * b))];
-      for (int i = 0; i < count; ++i)
-      {
-        const double weight = weights[static_cast<std::size_t>(i)];
-        const double* from =
-          &this->C[static_cast<std::size_t>(stride * (column + i + this->N[d] * b))];
-        for (std::ptrdiff_t s = 0; s < stride; ++s)
-        {
-          to[s] += weight * from[s];
-        }
-      }
+      const EndRow& row = ends[e];
+      CombineLayers(
+        p + 1, from + stride * row.From, stride, row.Weights.data(), to + stride * row.To);
     }
   }
   this->C.swap(this->Next);
@@ -157,6 +187,7 @@ void BoxSpline::Assign(const Bernstein& polynomial)
   }
   const Eigen::VectorXd& c = polynomial.Coefficients();
   this->C.assign(c.data(), c.data() + c.size());
+  this->All = RangeOf(c.data(), c.size());
   this->Noise = polynomial.RoundingBound();
 }
 
@@ -177,43 +208,42 @@ BoxSpline::Layers BoxSpline::LayersOf(const std::array<Part, 3>& part) const
   return layers;
 }
 
-Range BoxSpline::Hull(const Layers& layers) const
+Range BoxSpline::Hull(const std::array<Part, 3>& part) const
 {
-  double low = INFINITY;
-  double high = -INFINITY;
+  if (part == Everywhere)
+  {
+    return this->All;
+  }
+  const Layers layers = this->LayersOf(part);
+  const int length = layers.Last[0] - layers.First[0] + 1;
+  Range hull{ INFINITY, -INFINITY };
   for (int k = layers.First[2]; k <= layers.Last[2]; ++k)
   {
     for (int j = layers.First[1]; j <= layers.Last[1]; ++j)
     {
-      const double* row =
-        this->C.data() + this->N[0] * (j + static_cast<std::ptrdiff_t>(this->N[1]) * k);
-      for (int i = layers.First[0]; i <= layers.Last[0]; ++i)
-      {
-        low = std::min(low, row[i]);
-        high = std::max(high, row[i]);
-      }
+      hull = Union(hull, RangeOf(this->Row(j, k) + layers.First[0], length));
     }
   }
-  return { low, high };
+  return hull;
 }
 
 Range BoxSpline::Values(const std::array<Part, 3>& part) const
 {
-  const Range hull = this->Hull(this->LayersOf(part));
+  const Range hull = this->Hull(part);
   const double width = this->Noise + this->Slack;
   return { hull.Low - width, hull.High + width };
 }
 
 bool BoxSpline::Vanishes(const std::array<Part, 3>& part) const
 {
-  const Range hull = this->Hull(this->LayersOf(part));
+  const Range hull = this->Hull(part);
   return this->Slack == 0.0 && hull.Low >= -this->Noise && hull.High <= this->Noise;
 }
 
 bool BoxSpline::IsLostInNoise() const
 {
-  const Range hull = this->Hull(this->LayersOf({ Part::Whole, Part::Whole, Part::Whole }));
-  return this->Slack == 0.0 && !hull.Contains(0.0) && this->Noise >= 0.5 * (hull.High - hull.Low);
+  return this->Slack == 0.0 && !this->All.Contains(0.0) &&
+    this->Noise >= 0.5 * (this->All.High - this->All.Low);
 }
 
 Range BoxSpline::Derivative(int direction, const std::array<Part, 3>& part) const
@@ -228,38 +258,62 @@ Range BoxSpline::Derivative(int direction, const std::array<Part, 3>& part) cons
   {
     return { -this->DerivativeSlack[d], this->DerivativeSlack[d] };
   }
-  double low = INFINITY;
-  double high = -INFINITY;
+  Range all{ INFINITY, -INFINITY };
   double steepest = 0.0;
-  // Layer after layer of the direction, so that the factor stays out of the inner loop.
-  for (int at = layers.First[d]; at < layers.Last[d]; ++at)
+  const auto add = [&](int at, const Range& differences)
   {
     const auto A = static_cast<std::size_t>(at);
     const double factor = p / (this->K[d][A + static_cast<std::size_t>(p) + 1] - this->K[d][A + 1]);
     steepest = std::max(steepest, factor);
-    Layers layer = layers;
-    layer.First[d] = layer.Last[d] = at;
-    double least = INFINITY;
-    double most = -INFINITY;
-    for (int k = layer.First[2]; k <= layer.Last[2]; ++k)
+    all = Union(all, { factor * differences.Low, factor * differences.High });
+  };
+  if (d == 0)
+  {
+    // Rows hold one difference of each layer.
+    constexpr int Most = 8;
+    for (int begin = layers.First[0]; begin < layers.Last[0]; begin += Most)
     {
-      for (int j = layer.First[1]; j <= layer.Last[1]; ++j)
+      const int count = std::min(Most, layers.Last[0] - begin);
+      double least[Most];
+      double most[Most];
+      std::fill_n(least, Most, INFINITY);
+      std::fill_n(most, Most, -INFINITY);
+      for (int k = layers.First[2]; k <= layers.Last[2]; ++k)
       {
-        const double* row =
-          this->C.data() + this->N[0] * (j + static_cast<std::ptrdiff_t>(this->N[1]) * k);
-        for (int i = layer.First[0]; i <= layer.Last[0]; ++i)
+        for (int j = layers.First[1]; j <= layers.Last[1]; ++j)
         {
-          const double difference = row[i + stride] - row[i];
-          least = std::min(least, difference);
-          most = std::max(most, difference);
+          const double* row = this->Row(j, k) + begin;
+          for (int i = 0; i < count; ++i)
+          {
+            least[i] = std::min(least[i], row[i + 1] - row[i]);
+            most[i] = std::max(most[i], row[i + 1] - row[i]);
+          }
         }
       }
+      for (int i = 0; i < count; ++i)
+      {
+        add(begin + i, { least[i], most[i] });
+      }
     }
-    low = std::min(low, factor * least);
-    high = std::max(high, factor * most);
+  }
+  else
+  {
+    const int length = layers.Last[0] - layers.First[0] + 1;
+    for (int at = layers.First[d]; at < layers.Last[d]; ++at)
+    {
+      const std::size_t other = 3 - d;
+      Range differences{ INFINITY, -INFINITY };
+      for (int o = layers.First[other]; o <= layers.Last[other]; ++o)
+      {
+        const double* row = (d == 1 ? this->Row(at, o) : this->Row(o, at)) + layers.First[0];
+        differences = Union(differences,
+          RangeOf(length, [row, stride](std::ptrdiff_t i) { return row[i + stride] - row[i]; }));
+      }
+      add(at, differences);
+    }
   }
   const double noise = 2.0 * this->Noise * steepest + this->DerivativeSlack[d];
-  return { low - noise, high + noise };
+  return { all.Low - noise, all.High + noise };
 }
 
 }

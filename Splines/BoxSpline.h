@@ -4,22 +4,16 @@
 
 #include "Bernstein.h"
 #include "ControlBounds.h"
+#include "Range.h"
 #include "Spline.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace hyperpatch
 {
-
-/// Least and greatest value of something; an enclosure.
-struct Range
-{
-  double Low;
-  double High;
-
-  [[nodiscard]] bool Contains(double x) const { return this->Low <= x && x <= this->High; }
-};
 
 /// Which part of a box a question is about: per direction the whole of it, or one of its ends.
 enum class Part
@@ -41,15 +35,21 @@ public:
   /// \param spline gives the knots
   /// \param box inside the domain, of positive width in every direction that is there
   /// \param coefficient (index of a control point) -> scalar, the control points of the function
+  /// \param most no more control points are looked at than this
+  /// \returns false if it would take more
   template <typename Coefficient>
-  void Restrict(const Spline& spline, const ParameterBox& box, Coefficient&& coefficient)
+  bool Restrict(const Spline& spline, const ParameterBox& box, Coefficient&& coefficient,
+    double most = INFINITY)
   {
     this->FindWindow(spline, box);
     const auto n = spline.Sizes();
     const auto& first = this->WindowFirst;
     const auto& size = this->WindowSize;
-    this->C.resize(static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
-      static_cast<std::size_t>(size[2]));
+    if (static_cast<double>(size[0]) * size[1] * size[2] > most)
+    {
+      return false;
+    }
+    Reserve(Product(size), this->C);
     std::size_t to = 0;
     for (int k = first[2]; k < first[2] + size[2]; ++k)
     {
@@ -63,10 +63,8 @@ public:
       }
     }
     this->InsertEnds(spline, box);
+    return true;
   }
-
-  /// The number of control points of `spline` that Restrict() would look at.
-  [[nodiscard]] static double WindowVolume(const Spline& spline, const ParameterBox& box);
 
   /// Adds a bound of the error that each coefficient had before.
   void AddNoise(double bound) { this->Noise += bound; }
@@ -90,6 +88,15 @@ public:
   [[nodiscard]] bool Vanishes(const std::array<Part, 3>& part) const;
 
 private:
+  [[nodiscard]] static std::ptrdiff_t Product(const std::array<int, 3>& sizes)
+  {
+    return static_cast<std::ptrdiff_t>(sizes[0]) * sizes[1] * sizes[2];
+  }
+  /// Memory for so many numbers; it never shrinks, so that growing again sets nothing to 0.
+  static void Reserve(std::ptrdiff_t count, std::vector<double>& numbers)
+  {
+    numbers.resize(std::max(numbers.size(), static_cast<std::size_t>(count)));
+  }
   void FindWindow(const Spline& spline, const ParameterBox& box);
   void InsertEnds(const Spline& spline, const ParameterBox& box);
   void InsertEnds(const KnotVector& knots, int direction, double low, double high);
@@ -98,12 +105,17 @@ private:
     std::array<int, 3> First, Last;
   };
   [[nodiscard]] Layers LayersOf(const std::array<Part, 3>& part) const;
-  [[nodiscard]] Range Hull(const Layers& layers) const;
+  [[nodiscard]] Range Hull(const std::array<Part, 3>& part) const;
+  [[nodiscard]] const double* Row(int j, int k) const
+  {
+    return this->C.data() + this->N[0] * (j + static_cast<std::ptrdiff_t>(this->N[1]) * k);
+  }
 
   std::array<int, 3> P{};
   std::array<int, 3> N{ 1, 1, 1 };
   std::array<std::vector<double>, 3> K; ///< of the unit cube, clamped
-  std::vector<double> C;                ///< u fastest
+  std::vector<double> C;                ///< u fastest, Product(N) of them
+  Range All{ 0.0, 0.0 };                ///< of them
   double Noise = 0.0;
   double Slack = 0.0; ///< of values, besides noise
   std::array<double, 3> DerivativeSlack{};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ControlBounds.h"
 
+#include "Range.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,12 +18,33 @@ std::size_t Count(const std::array<int, 3>& size)
     static_cast<std::size_t>(size[2]);
 }
 
-void Join(std::size_t m, const double* low, const double* high, double* toLow, double* toHigh)
+void Join(std::size_t count, const double* low, const double* high, double* toLow, double* toHigh)
 {
-  for (std::size_t c = 0; c < m; ++c)
+  for (std::size_t c = 0; c < count; ++c)
   {
     toLow[c] = std::min(toLow[c], low[c]);
     toHigh[c] = std::max(toHigh[c], high[c]);
+  }
+}
+
+/// Bounds of items of so many numbers each, over the items that each block looks at.
+/// \param windows per block, the first item and the last
+/// \param low, high blocks x count numbers; low and high of the items may be the same
+void Reduce(const std::vector<std::array<int, 2>>& windows, std::size_t count,
+  const double* itemLow, const double* itemHigh, double* low, double* high)
+{
+  for (const auto& [begin, end] : windows)
+  {
+    const std::size_t first = count * static_cast<std::size_t>(begin);
+    std::copy_n(itemLow + first, count, low);
+    std::copy_n(itemHigh + first, count, high);
+    for (int i = begin + 1; i <= end; ++i)
+    {
+      const std::size_t at = count * static_cast<std::size_t>(i);
+      Join(count, itemLow + at, itemHigh + at, low, high);
+    }
+    low += count;
+    high += count;
   }
 }
 
@@ -52,12 +75,18 @@ ControlBounds::ControlBounds(const Spline& spline)
   : S(&spline)
 {
   const auto m = static_cast<std::size_t>(spline.Components());
-  std::array<int, 3> spans{};
   std::array<int, 3> size{};
+  std::array<std::vector<std::array<int, 2>>, 3> windows;
   for (std::size_t d = 0; d < 3; ++d)
   {
-    spans[d] = static_cast<int>(spline.Knots()[d].Spans().size());
-    size[d] = (spans[d] + Leaf - 1) / Leaf;
+    const KnotVector& knots = spline.Knots()[d];
+    const std::vector<int>& spans = knots.Spans();
+    for (std::size_t first = 0; first < spans.size(); first += Leaf)
+    {
+      const std::size_t last = std::min(first + Leaf, spans.size()) - 1;
+      windows[d].push_back({ spans[first] - knots.Degree(), spans[last] });
+    }
+    size[d] = static_cast<int>(windows[d].size());
   }
   const auto empty = [m](const std::array<int, 3>& blocks)
   {
@@ -66,21 +95,26 @@ ControlBounds::ControlBounds(const Spline& spline)
   };
   this->Levels.push_back(empty(size));
   Level& leaves = this->Levels.front();
+  // Planes of the lattice become one for each layer of blocks, their rows one for each row, and
+  // these the blocks themselves.
+  const auto n = spline.Sizes();
+  const std::size_t row = m * static_cast<std::size_t>(n[0]);
+  const std::size_t plane = row * static_cast<std::size_t>(n[1]);
+  const std::size_t rows = row * windows[1].size();
+  std::vector<double> planeLow(plane);
+  std::vector<double> planeHigh(plane);
+  std::vector<double> rowLow(rows);
+  std::vector<double> rowHigh(rows);
+  const double* points = spline.Coefficients().data();
   std::size_t b = 0;
-  for (int k = 0; k < size[2]; ++k)
+  for (const std::array<int, 2>& layer : windows[2])
   {
-    for (int j = 0; j < size[1]; ++j)
+    Reduce({ layer }, plane, points, points, planeLow.data(), planeHigh.data());
+    Reduce(windows[1], row, planeLow.data(), planeHigh.data(), rowLow.data(), rowHigh.data());
+    for (std::size_t j = 0; j < rows; j += row)
     {
-      for (int i = 0; i < size[0]; ++i, ++b)
-      {
-        const std::array<int, 3> first{ Leaf * i, Leaf * j, Leaf * k };
-        std::array<int, 3> last{};
-        for (std::size_t d = 0; d < 3; ++d)
-        {
-          last[d] = std::min(first[d] + Leaf, spans[d]) - 1;
-        }
-        this->Window(first, last, &leaves.Low[m * b], &leaves.High[m * b]);
-      }
+      Reduce(windows[0], m, &rowLow[j], &rowHigh[j], &leaves.Low[b], &leaves.High[b]);
+      b += m * windows[0].size();
     }
   }
   while (Count(this->Levels.back().Size) > 1)
@@ -125,6 +159,13 @@ void ControlBounds::Window(
       const std::ptrdiff_t row = n[0] * (j + static_cast<std::ptrdiff_t>(n[1]) * k);
       const double* point =
         this->S->Coefficients().data() + static_cast<std::ptrdiff_t>(m) * (row + begin[0]);
+      if (m == 1)
+      {
+        const Range range = RangeOf(point, end[0] - begin[0] + 1);
+        *low = std::min(*low, range.Low);
+        *high = std::max(*high, range.High);
+        continue;
+      }
       for (int i = begin[0]; i <= end[0]; ++i, point += m)
       {
         Join(m, point, point, low, high);

@@ -363,10 +363,6 @@ bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
   {
     return ScalarField::Restrict(box, f);
   }
-  if (BoxSpline::WindowVolume(spline, box) > LargestWindow)
-  {
-    return false;
-  }
   const int m = spline.Components();
   double terms = 0.0;
   double largestWeight = 1.0;
@@ -374,23 +370,27 @@ bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
   const double* points = spline.Coefficients().data();
   const auto restrictTimesWeight = [&](const auto& value)
   {
-    f.Restrict(spline, box,
-      [&](Eigen::Index i)
-      {
-        const double* x = points + m * i;
-        const double weight = rational ? spline.Weights()[i] : 1.0;
-        double own = 0.0;
-        const double found = value(x, own);
-        terms = std::max(terms, own);
-        largestWeight = std::max(largestWeight, weight);
-        return weight * found;
-      });
+    const auto coefficient = [&](Eigen::Index i)
+    {
+      const double* x = points + m * i;
+      const double weight = rational ? spline.Weights()[i] : 1.0;
+      double own = 0.0;
+      const double found = value(x, own);
+      terms = std::max(terms, own);
+      largestWeight = std::max(largestWeight, weight);
+      return weight * found;
+    };
+    if (!f.Restrict(spline, box, coefficient, LargestWindow))
+    {
+      return false;
+    }
     f.AddNoise(UnitRoundoff * (Operations(spline) + 4 * (m + 2)) * terms * largestWeight);
+    return true;
   };
   if (this->Q.IsLinear())
   {
-    restrictTimesWeight([this](const double* x, double& own) { return this->Q.Value(x, own); });
-    return true;
+    return restrictTimesWeight(
+      [this](const double* x, double& own) { return this->Q.Value(x, own); });
   }
 
   // q is the linear function that touches it in the middle of the box's bounds, and a rest.
@@ -402,12 +402,16 @@ bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
   Eigen::VectorXd slope(m);
   this->Q.Gradient(centre.data(), slope.data());
   const double constant = this->Q.Value(centre.data());
-  restrictTimesWeight(
+  const bool isDone = restrictTimesWeight(
     [&](const double* x, double& own)
     {
       own = this->Q.Terms(x);
       return constant + slope.dot(Eigen::Map<const Eigen::VectorXd>(x, m) - centre);
     });
+  if (!isDone)
+  {
+    return false;
+  }
   // With y = x - centre the rest is y' A y, its derivative 2 y' A y_u. Where rational, both times
   // W: W y_u = Y_u - W_u y for the homogeneous Y.
   const Eigen::MatrixXd A = this->Q.A.cwiseAbs();
@@ -465,9 +469,10 @@ bool QuadricField::Excludes(const ParameterBox& box) const
   {
     return true;
   }
-  // On one element the hull of a linear function is tighter than that of the bounding box.
+  // On one element the hull of a linear function of several components is tighter than that of the
+  // bounding box.
   const Spline& spline = this->S->Spline();
-  if (!this->Q.IsLinear() || !IsInOneElement(spline, box))
+  if (m == 1 || !this->Q.IsLinear() || !IsInOneElement(spline, box))
   {
     return false;
   }

@@ -90,6 +90,18 @@ TEST(BoxSpline, EnclosesValuesAndDerivativesOnTheBoxAndItsFaces)
   }
 }
 
+TEST(BoxSpline, LooksAtNoMoreControlPointsThanAsked)
+{
+  const KnotVector knots = KnotVector::Uniform(2, 6);
+  std::mt19937 random(3);
+  const Spline spline = models::RandomSpline(random, { knots, knots, knots }, 1, false);
+  const auto coefficient = [&spline](Eigen::Index i) { return spline.Coefficients()(0, i); };
+  // Four spans: windows of 3 control points on one of them, of 4 on two.
+  BoxSpline f;
+  EXPECT_TRUE(f.Restrict(spline, { { 0.0, 0.0, 0.0 }, { 0.2, 0.2, 0.3 } }, coefficient, 36.0));
+  EXPECT_FALSE(f.Restrict(spline, { { 0.0, 0.0, 0.0 }, { 0.2, 0.2, 0.3 } }, coefficient, 35.0));
+}
+
 TEST(BoxSpline, HullsTightenWithTheSquareOfTheBox)
 {
   std::mt19937 random(9);
