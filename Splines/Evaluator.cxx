@@ -3,6 +3,7 @@
 
 #include "Error.h"
 #include "EvaluatorKernel.h"
+#include "NumberBlock.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -72,6 +73,12 @@ EvaluatorDirection MakeDirection(
   d.Last = knots.Last();
   d.Stride = stride;
   tables.Breaks = knots.Breaks();
+  const auto spans = static_cast<std::size_t>(d.Spans);
+  tables.InverseLengths.reserve(spans);
+  tables.Offsets.reserve(spans);
+  tables.Table.reserve(spans *
+    static_cast<std::size_t>(
+      p <= MaxTableDegree ? 2 * (std::max(p, 1) + 1) * d.Pitch : 2 * p + p * (p + 1) / 2));
   for (int span : knots.Spans())
   {
     tables.InverseLengths.push_back(1.0 / (knots[span + 1] - knots[span]));
@@ -152,6 +159,61 @@ int AvailableEvaluatorKernels(const EvaluatorKernels* kernels[3])
   return count;
 }
 
+namespace
+{
+
+/// Numbers per homogeneous control point, padded.
+std::size_t PointWidth(const Spline& spline)
+{
+  const int numbers = spline.Components() + (spline.IsRational() ? 1 : 0);
+  return static_cast<std::size_t>(numbers < 3 ? numbers : (numbers + 3) / 4 * 4);
+}
+
+/// Homogeneous control points; the weight is the last of `width` numbers. \tparam M the number of
+/// components where the compiler should know it, or 0
+template <int M>
+void CopyPointsOf(const Spline& spline, int width, double* to)
+{
+  const int m = M > 0 ? M : spline.Components();
+  const double* point = spline.Coefficients().data();
+  const double* weight = spline.IsRational() ? spline.Weights().data() : nullptr;
+  const Eigen::Index count = spline.NumberOfControlPoints();
+  for (Eigen::Index i = 0; i < count; ++i, point += m, to += width)
+  {
+    const double w = weight ? weight[i] : 1.0;
+    for (int e = 0; e < m; ++e)
+    {
+      to[e] = w * point[e];
+    }
+    for (int e = m; e < width; ++e)
+    {
+      to[e] = 0.0;
+    }
+    if (weight)
+    {
+      to[width - 1] = w;
+    }
+  }
+}
+
+void CopyPoints(const Spline& spline, int width, double* to)
+{
+  if (!spline.IsRational() && width == spline.Components())
+  {
+    std::copy_n(spline.Coefficients().data(), spline.Coefficients().size(), to);
+  }
+  else if (spline.Components() == 3)
+  {
+    CopyPointsOf<3>(spline, width, to);
+  }
+  else
+  {
+    CopyPointsOf<0>(spline, width, to);
+  }
+}
+
+}
+
 struct Evaluator::Layout
 {
   explicit Layout(const Spline& spline);
@@ -162,19 +224,18 @@ struct Evaluator::Layout
     double* first, double* second) const;
 
   std::array<DirectionTables, 3> Tables;
-  std::vector<double> Points;
+  NumberBlock Points;
   EvaluatorData Data{};
   const EvaluatorKernels* Kernels;
 };
 
 Evaluator::Layout::Layout(const Spline& spline)
-  : Kernels(ChooseKernels())
+  : Points(PointWidth(spline) * static_cast<std::size_t>(spline.NumberOfControlPoints()) + MaxLanes)
+  , Kernels(ChooseKernels())
 {
-  const int m = spline.Components();
-  const int numbers = m + (spline.IsRational() ? 1 : 0);
-  this->Data.Components = m;
+  this->Data.Components = spline.Components();
   this->Data.Rational = spline.IsRational();
-  this->Data.Width = numbers < 3 ? numbers : (numbers + 3) / 4 * 4;
+  this->Data.Width = static_cast<int>(PointWidth(spline));
   const auto width = static_cast<std::size_t>(this->Data.Width);
   std::size_t stride = width;
   for (std::size_t d = 0; d < 3; ++d)
@@ -183,21 +244,9 @@ Evaluator::Layout::Layout(const Spline& spline)
     this->Data.Directions[d] = MakeDirection(knots, stride, this->Tables[d]);
     stride *= static_cast<std::size_t>(knots.Size());
   }
-  this->Points.resize(stride + MaxLanes);
-  for (Eigen::Index i = 0; i < spline.NumberOfControlPoints(); ++i)
-  {
-    double* point = this->Points.data() + static_cast<std::size_t>(i) * width;
-    const double weight = spline.IsRational() ? spline.Weights()[i] : 1.0;
-    for (int e = 0; e < m; ++e)
-    {
-      point[e] = weight * spline.Coefficients()(e, i);
-    }
-    if (spline.IsRational())
-    {
-      point[width - 1] = weight;
-    }
-  }
-  this->Data.Points = this->Points.data();
+  CopyPoints(spline, this->Data.Width, this->Points.Data());
+  std::fill_n(this->Points.Data() + stride, MaxLanes, 0.0);
+  this->Data.Points = this->Points.Data();
 }
 
 void Evaluator::Layout::Evaluate(std::size_t count, const double* parameters, int order,

@@ -7,9 +7,9 @@
 namespace hyperpatch
 {
 
-/// 1 or -1: the sign of det J on average, estimated as the sum over the elements of det J at the
-/// centre times the volume of the span. 0 if the spline is no volume in space, or the
-/// sum is 0 to rounding (1e-13 of what it could be).
+/// 1 or -1: the sign of det J on average, estimated as the sum of det J at the centre times the
+/// volume over the elements, or over 8 x 8 x 8 blocks of them where there are more. 0 if the spline
+/// is no volume in space, or the sum is 0 to rounding (1e-13 of what it could be).
 [[nodiscard]] int Handedness(const Spline& geometry);
 
 /// The same of the whole patch that this is a part of.

@@ -570,6 +570,27 @@ TEST_P(EvaluatorWith, FindsSpansOfVeryUnevenKnots)
   }
 }
 
+TEST(Evaluator, LargeLatticesAgreeWithTheDefinition)
+{
+  // More than 2 MiB of homogeneous points.
+  std::mt19937 random(8);
+  const std::array<KnotVector, 3> knots{ KnotVector::Uniform(3, 50), KnotVector::Uniform(2, 45),
+    KnotVector::Uniform(1, 40) };
+  const Spline spline = models::RandomSpline(random, knots, 3, true);
+  const Evaluator evaluator(spline);
+  const double scale = spline.Coefficients().cwiseAbs().maxCoeff();
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int i = 0; i < 100; ++i)
+  {
+    const Eigen::Vector3d u(unit(random), unit(random), i == 0 ? 1.0 : unit(random));
+    Eigen::Vector3d x;
+    evaluator.Evaluate(1, u.data(), x.data());
+    // A sum of 24 terms.
+    EXPECT_LE((x - spline.Evaluate(u[0], u[1], u[2])).cwiseAbs().maxCoeff(),
+      100.0 * std::numeric_limits<double>::epsilon() * scale);
+  }
+}
+
 TEST(Evaluator, ManyComponents)
 {
   std::mt19937 random(20);
