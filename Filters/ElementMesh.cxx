@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ElementMesh.h"
 
+#include "ArrayNames.h"
 #include "Evaluator.h"
 
 #include "vtkCellArray.h"
@@ -113,7 +114,8 @@ void ElementMesh::Fill(vtkUnstructuredGrid* output) const
   points->SetDataTypeToDouble();
   points->SetData(Triples("Points", this->Points));
   output->SetPoints(points);
-  output->GetPointData()->AddArray(Triples("ParametricCoordinates", this->Parameters));
+  output->GetPointData()->AddArray(
+    Triples(hyperpatch::names::ParametricCoordinates, this->Parameters));
 
   vtkNew<vtkIdTypeArray> connectivity;
   connectivity->SetNumberOfValues(static_cast<vtkIdType>(this->Connectivity.size()));
@@ -125,9 +127,9 @@ void ElementMesh::Fill(vtkUnstructuredGrid* output) const
   vtkNew<vtkIdTypeArray> elementIds;
   offsets->SetNumberOfValues(n + 1);
   types->SetNumberOfValues(n);
-  patchIds->SetName("PatchId");
+  patchIds->SetName(hyperpatch::names::PatchId);
   patchIds->SetNumberOfValues(n);
-  elementIds->SetName("ElementId");
+  elementIds->SetName(hyperpatch::names::ElementId);
   elementIds->SetNumberOfValues(n);
   vtkIdType offset = 0;
   for (vtkIdType i = 0; i < n; ++i)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FitReport.h"
 
+#include "ArrayNames.h"
 #include "Validity.h"
 
 #include "vtkDoubleArray.h"
@@ -68,7 +69,7 @@ void FitReport::Fill(vtkFieldData* columns) const
     names->InsertNextValue(row.Attribute);
   }
   columns->AddArray(names);
-  integers("PatchId", [](const Row& row) { return row.PatchId; });
+  integers(hyperpatch::names::PatchId, [](const Row& row) { return row.PatchId; });
   integers("Components", [](const Row& row) { return row.Components; });
   integers("Samples", [](const Row& row) { return row.Error.Count; });
   integers("ControlPoints", [](const Row& row) { return row.ControlPoints; });
@@ -83,6 +84,6 @@ void FitReport::Fill(vtkFieldData* columns) const
   integers("WorstPoint", [](const Row& row) { return row.Error.Where; });
   numbers("JacobianLower", [](const Row& row) { return row.Jacobian.Low; });
   numbers("JacobianUpper", [](const Row& row) { return row.Jacobian.High; });
-  integers("InvalidElements", [](const Row& row) { return row.Invalid; });
-  integers("UndecidedElements", [](const Row& row) { return row.Undecided; });
+  integers(hyperpatch::names::InvalidElements, [](const Row& row) { return row.Invalid; });
+  integers(hyperpatch::names::UndecidedElements, [](const Row& row) { return row.Undecided; });
 }

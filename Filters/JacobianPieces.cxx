@@ -2,6 +2,7 @@
 #include "JacobianPieces.h"
 
 #include "Aggregate.h"
+#include "ArrayNames.h"
 #include "JacobianField.h"
 #include "vtkNURBSJacobianBoundary.h"
 
@@ -35,9 +36,9 @@ public:
   Mesh(vtkPolyData* mesh, const JacobianPieces::Check& check)
     : Data(mesh)
     , MayGoOn(check)
-    , Patches(mesh->GetCellData()->GetArray("PatchId"))
-    , Pieces(mesh->GetCellData()->GetArray("Piece"))
-    , Parameters(mesh->GetPointData()->GetArray("ParametricCoordinates"))
+    , Patches(mesh->GetCellData()->GetArray(hyperpatch::names::PatchId))
+    , Pieces(mesh->GetCellData()->GetArray(hyperpatch::names::Piece))
+    , Parameters(mesh->GetPointData()->GetArray(hyperpatch::names::ParametricCoordinates))
   {
   }
 
@@ -293,7 +294,7 @@ void JacobianPieces::AddDeterminant(
 {
   const Mesh mesh(output, check);
   vtkNew<vtkDoubleArray> values;
-  values->SetName("JacobianDeterminant");
+  values->SetName(hyperpatch::names::JacobianDeterminant);
   values->SetNumberOfTuples(mesh.Points());
   values->Fill(0.0);
 
@@ -499,7 +500,7 @@ void JacobianPieces::AddIds(const hyperpatch::MultiPatch& model, vtkPolyData* ou
     idOf.push_back(ids.at(all.Find(number.at(key))));
   }
   vtkNew<vtkIntArray> array;
-  array->SetName("PieceId");
+  array->SetName(hyperpatch::names::PieceId);
   array->SetNumberOfTuples(mesh.Cells());
   mesh.ForCells([&](vtkIdType cell, vtkIdList& corners)
     { array->SetValue(cell, idOf[pieceOf[static_cast<std::size_t>(corners.GetId(0))]]); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "NURBSMeshOutput.h"
 
+#include "ArrayNames.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"
@@ -17,6 +18,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -33,6 +35,59 @@ vtkSmartPointer<vtkDoubleArray> NewArray(const char* name, int components, vtkId
   return array;
 }
 
+unsigned char CellType(Eigen::Index corners)
+{
+  return corners == 8 ? VTK_HEXAHEDRON
+    : corners == 4    ? VTK_TETRA
+    : corners == 3    ? VTK_TRIANGLE
+    : corners == 2    ? VTK_LINE
+                      : VTK_VERTEX;
+}
+
+/// Cells, of which all are announced before the first is added.
+class CellList
+{
+public:
+  void Reserve(const NURBSMeshOutput::Cells& cells)
+  {
+    this->Cells += cells.cols();
+    this->Corners += cells.size();
+  }
+
+  void Add(const NURBSMeshOutput::Cells& cells)
+  {
+    static_assert(sizeof(vtkIdType) == sizeof(std::int64_t), "64-bit ids are needed");
+    if (this->Ends->GetNumberOfValues() == 0)
+    {
+      this->Ids->SetNumberOfValues(this->Corners);
+      this->Ends->SetNumberOfValues(this->Cells + 1);
+      this->Cells = this->Corners = 0;
+      this->Ends->SetValue(0, 0);
+    }
+    std::copy_n(cells.data(), cells.size(), this->Ids->GetPointer(this->Corners));
+    for (Eigen::Index c = 0; c < cells.cols(); ++c)
+    {
+      this->Corners += cells.rows();
+      this->Ends->SetValue(++this->Cells, this->Corners);
+    }
+  }
+
+  [[nodiscard]] vtkSmartPointer<vtkCellArray> Make() const
+  {
+    auto cells = vtkSmartPointer<vtkCellArray>::New();
+    if (this->Cells > 0)
+    {
+      cells->SetData(this->Ends, this->Ids);
+    }
+    return cells;
+  }
+
+private:
+  vtkIdType Cells = 0;
+  vtkIdType Corners = 0;
+  vtkNew<vtkIdTypeArray> Ends, Ids;
+};
+
 }
 
 NURBSMeshOutput::NURBSMeshOutput(
@@ -42,37 +97,42 @@ NURBSMeshOutput::NURBSMeshOutput(
 {
 }
 
-void NURBSMeshOutput::AddPoints(const hyperpatch::Patch& patch, const Eigen::Matrix3Xd& parameters,
-  const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals,
-  const std::vector<Eigen::MatrixXd>& attributes)
+void NURBSMeshOutput::AddPoints(const hyperpatch::Patch& patch, Eigen::Matrix3Xd parameters,
+  Eigen::Matrix3Xd points, Eigen::Matrix3Xd normals, std::vector<Eigen::MatrixXd> attributes)
 {
-  PointBlock block{ parameters, points, normals, {} };
+  PointBlock block{ std::move(parameters), std::move(points), std::move(normals), {} };
+  block.Attributes.resize(this->Components.size());
   for (std::size_t a = 0; a < attributes.size(); ++a)
   {
-    block.Attributes.emplace(patch.Body.Attributes()[a].Name, attributes[a]);
+    const auto found = this->Components.find(patch.Body.Attributes()[a].Name);
+    if (found != this->Components.end() && found->second == attributes[a].rows())
+    {
+      const auto index = std::distance(this->Components.begin(), found);
+      block.Attributes[static_cast<std::size_t>(index)] = std::move(attributes[a]);
+    }
   }
-  this->Points.push_back(std::move(block));
   this->LastOffset = this->NumberOfPoints;
-  this->NumberOfPoints += points.cols();
+  this->NumberOfPoints += block.Points.cols();
+  this->Points.push_back(std::move(block));
 }
 
-void NURBSMeshOutput::AddCells(const hyperpatch::Patch& patch, const Cells& cells,
-  const Eigen::Matrix3Xi& elements, const std::vector<std::vector<int>>& labels)
+void NURBSMeshOutput::AddCells(const hyperpatch::Patch& patch, Cells cells,
+  const Eigen::Matrix3Xi& elements, std::vector<std::vector<int>> labels)
 {
   if (cells.cols() == 0)
   {
     return;
   }
-  CellBlock block{ cells.array() + this->LastOffset, {}, patch.Id, labels,
-    this->Points.size() - 1 };
+  cells.array() += this->LastOffset;
+  CellBlock block{ std::move(cells), {}, patch.Id, std::move(labels), this->Points.size() - 1 };
   std::array<std::int64_t, 3> whole{};
   for (std::size_t d = 0; d < 3; ++d)
   {
     const auto own = static_cast<int>(patch.Body.Geometry().Knots()[d].Spans().size());
     whole[d] = patch.WholeSpans[d] > 0 ? patch.WholeSpans[d] : own;
   }
-  block.ElementIds.reserve(static_cast<std::size_t>(cells.cols()));
-  for (Eigen::Index c = 0; c < cells.cols(); ++c)
+  block.ElementIds.reserve(static_cast<std::size_t>(elements.cols()));
+  for (Eigen::Index c = 0; c < elements.cols(); ++c)
   {
     block.ElementIds.push_back(
       elements(0, c) + whole[0] * (elements(1, c) + whole[1] * elements(2, c)));
@@ -94,8 +154,8 @@ void NURBSMeshOutput::MergePoints(std::size_t begin)
   merged.Normals.resize(3, count);
   for (const auto& [name, components] : this->Components)
   {
-    merged.Attributes.emplace(
-      name, Eigen::MatrixXd::Constant(components, count, std::numeric_limits<double>::quiet_NaN()));
+    merged.Attributes.push_back(
+      Eigen::MatrixXd::Constant(components, count, std::numeric_limits<double>::quiet_NaN()));
   }
   // Points of one block have cells of one label.
   std::vector<int> labels(this->Points.size(), 0);
@@ -122,12 +182,11 @@ void NURBSMeshOutput::MergePoints(std::size_t begin)
       merged.Parameters.col(size) = block.Parameters.col(i);
       merged.Points.col(size) = x;
       merged.Normals.col(size) = block.Normals.col(i);
-      for (auto& [name, values] : merged.Attributes)
+      for (std::size_t a = 0; a < merged.Attributes.size(); ++a)
       {
-        const auto found = block.Attributes.find(name);
-        if (found != block.Attributes.end() && found->second.rows() == values.rows())
+        if (block.Attributes[a].cols() > 0)
         {
-          values.col(size) = found->second.col(i);
+          merged.Attributes[a].col(size) = block.Attributes[a].col(i);
         }
       }
       ++size;
@@ -136,9 +195,9 @@ void NURBSMeshOutput::MergePoints(std::size_t begin)
   merged.Parameters.conservativeResize(3, size);
   merged.Points.conservativeResize(3, size);
   merged.Normals.conservativeResize(3, size);
-  for (auto& entry : merged.Attributes)
+  for (Eigen::MatrixXd& values : merged.Attributes)
   {
-    entry.second.conservativeResize(entry.second.rows(), size);
+    values.conservativeResize(values.rows(), size);
   }
   for (Eigen::Index i = 0; i < size; ++i)
   {
@@ -182,10 +241,16 @@ void NURBSMeshOutput::MergePoints(std::size_t begin)
 
 void NURBSMeshOutput::Fill(vtkPointSet* output) const
 {
+  this->FillPoints(output);
+  this->FillCells(output);
+}
+
+void NURBSMeshOutput::FillPoints(vtkPointSet* output) const
+{
   const auto n = static_cast<vtkIdType>(this->NumberOfPoints);
   const auto coordinates = NewArray("Points", 3, n);
-  const auto normals = NewArray("Normals", 3, n);
-  const auto parameters = NewArray("ParametricCoordinates", 3, n);
+  const auto normals = NewArray(hyperpatch::names::Normals, 3, n);
+  const auto parameters = NewArray(hyperpatch::names::ParametricCoordinates, 3, n);
   bool haveNormals = true;
   vtkIdType at = 0;
   for (const PointBlock& block : this->Points)
@@ -211,20 +276,24 @@ void NURBSMeshOutput::Fill(vtkPointSet* output) const
     output->GetPointData()->SetNormals(normals);
   }
   output->GetPointData()->AddArray(parameters);
+  std::size_t a = 0;
   for (const auto& [name, components] : this->Components)
   {
     const auto array = NewArray(name.c_str(), components, n);
     double* to = array->GetPointer(0);
     for (const PointBlock& block : this->Points)
     {
-      const auto found = block.Attributes.find(name);
-      const bool there = found != block.Attributes.end() && found->second.rows() == components;
-      to = there ? std::copy_n(found->second.data(), found->second.size(), to)
-                 : std::fill_n(to, components * block.Points.cols(), std::nan(""));
+      const Eigen::MatrixXd& values = block.Attributes[a];
+      to = values.cols() > 0 ? std::copy_n(values.data(), values.size(), to)
+                             : std::fill_n(to, components * block.Points.cols(), std::nan(""));
     }
     output->GetPointData()->AddArray(array);
+    ++a;
   }
+}
 
+void NURBSMeshOutput::FillCells(vtkPointSet* output) const
+{
   // Cells of fewer points come first: vertices, lines, polygons is the order of vtkPolyData.
   std::vector<const CellBlock*> blocks;
   for (const CellBlock& block : this->Blocks)
@@ -233,64 +302,60 @@ void NURBSMeshOutput::Fill(vtkPointSet* output) const
   }
   std::stable_sort(blocks.begin(), blocks.end(),
     [](const CellBlock* a, const CellBlock* b) { return a->Indices.rows() < b->Indices.rows(); });
-  vtkNew<vtkIntArray> patchIds;
-  patchIds->SetName("PatchId");
-  vtkNew<vtkIdTypeArray> elementIds;
-  elementIds->SetName("ElementId");
+
+  // By the number of corners; in an unstructured grid all in one.
+  auto* const mesh = vtkPolyData::SafeDownCast(output);
+  std::map<Eigen::Index, CellList> lists;
+  const auto listOf = [&lists, mesh](const CellBlock& block) -> CellList&
+  { return lists[mesh ? block.Indices.rows() : 0]; };
+  vtkIdType count = 0;
+  for (const CellBlock* block : blocks)
+  {
+    listOf(*block).Reserve(block->Indices);
+    count += block->Indices.cols();
+  }
+  const auto newArray = [count](auto array, const char* name)
+  {
+    array->SetName(name);
+    array->SetNumberOfTuples(count);
+    return array;
+  };
+  const auto patchIds = newArray(vtkSmartPointer<vtkIntArray>::New(), hyperpatch::names::PatchId);
+  const auto elementIds =
+    newArray(vtkSmartPointer<vtkIdTypeArray>::New(), hyperpatch::names::ElementId);
+  const auto types = newArray(vtkSmartPointer<vtkUnsignedCharArray>::New(), nullptr);
   std::vector<vtkSmartPointer<vtkIntArray>> labels;
   for (const std::string& name : this->Labels)
   {
-    labels.push_back(vtkSmartPointer<vtkIntArray>::New());
-    labels.back()->SetName(name.c_str());
+    labels.push_back(newArray(vtkSmartPointer<vtkIntArray>::New(), name.c_str()));
   }
-  std::map<Eigen::Index, vtkSmartPointer<vtkCellArray>> cells;
-  vtkNew<vtkUnsignedCharArray> types;
-  vtkNew<vtkCellArray> all;
-  const auto* polyData = vtkPolyData::SafeDownCast(output);
+  vtkIdType at = 0;
   for (const CellBlock* block : blocks)
   {
-    const Eigen::Index rows = block->Indices.rows();
-    vtkSmartPointer<vtkCellArray>& kind = cells[rows];
-    if (!kind)
+    const Eigen::Index size = block->Indices.cols();
+    listOf(*block).Add(block->Indices);
+    std::fill_n(types->GetPointer(at), size, CellType(block->Indices.rows()));
+    std::fill_n(patchIds->GetPointer(at), size, block->PatchId);
+    std::copy_n(block->ElementIds.data(), size, elementIds->GetPointer(at));
+    for (std::size_t l = 0; l < labels.size(); ++l)
     {
-      kind = polyData ? vtkSmartPointer<vtkCellArray>::New() : vtkSmartPointer<vtkCellArray>(all);
+      const std::vector<int>& values = block->Labels[l];
+      int* const to = labels[l]->GetPointer(at);
+      values.size() == 1 ? std::fill_n(to, size, values[0]) : std::copy_n(values.data(), size, to);
     }
-    for (Eigen::Index c = 0; c < block->Indices.cols(); ++c)
-    {
-      static_assert(sizeof(vtkIdType) == sizeof(std::int64_t), "64-bit ids are needed");
-      kind->InsertNextCell(static_cast<vtkIdType>(rows),
-        reinterpret_cast<const vtkIdType*>(block->Indices.col(c).data()));
-      types->InsertNextValue(rows == 8 ? VTK_HEXAHEDRON
-          : rows == 4                  ? VTK_TETRA
-          : rows == 3                  ? VTK_TRIANGLE
-          : rows == 2                  ? VTK_LINE
-                                       : VTK_VERTEX);
-      patchIds->InsertNextValue(block->PatchId);
-      elementIds->InsertNextValue(block->ElementIds[static_cast<std::size_t>(c)]);
-      for (std::size_t l = 0; l < labels.size(); ++l)
-      {
-        const std::vector<int>& values = block->Labels[l];
-        labels[l]->InsertNextValue(
-          values.size() == 1 ? values[0] : values[static_cast<std::size_t>(c)]);
-      }
-    }
+    at += size;
   }
-  if (auto* mesh = vtkPolyData::SafeDownCast(output))
+  if (mesh)
   {
-    const auto set = [&cells](Eigen::Index rows, auto setter)
+    for (const auto& [rows, list] : lists)
     {
-      if (cells.count(rows))
-      {
-        setter(cells.at(rows));
-      }
-    };
-    set(1, [mesh](vtkCellArray* c) { mesh->SetVerts(c); });
-    set(2, [mesh](vtkCellArray* c) { mesh->SetLines(c); });
-    set(3, [mesh](vtkCellArray* c) { mesh->SetPolys(c); });
+      const auto cells = list.Make();
+      rows == 1 ? mesh->SetVerts(cells) : rows == 2 ? mesh->SetLines(cells) : mesh->SetPolys(cells);
+    }
   }
   else if (auto* grid = vtkUnstructuredGrid::SafeDownCast(output))
   {
-    grid->SetCells(types, all);
+    grid->SetCells(types, lists[0].Make());
   }
   output->GetCellData()->AddArray(patchIds);
   output->GetCellData()->AddArray(elementIds);

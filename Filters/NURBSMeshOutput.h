@@ -27,15 +27,14 @@ public:
   /// Adds points.
   /// \param normals one per point, or none at all: then the output has no array of normals
   /// \param attributes in the order of the patch's
-  void AddPoints(const hyperpatch::Patch& patch, const Eigen::Matrix3Xd& parameters,
-    const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals,
-    const std::vector<Eigen::MatrixXd>& attributes);
+  void AddPoints(const hyperpatch::Patch& patch, Eigen::Matrix3Xd parameters,
+    Eigen::Matrix3Xd points, Eigen::Matrix3Xd normals, std::vector<Eigen::MatrixXd> attributes);
 
   /// Adds cells of one kind, over the points added last: 1 row vertices, 2 segments, 3 triangles, 4
   /// tetrahedra, 8 hexahedra. \param elements 3 x cells, knot spans counted in the whole patch
   /// \param labels one vector per label, of one value or one per cell
-  void AddCells(const hyperpatch::Patch& patch, const Cells& cells,
-    const Eigen::Matrix3Xi& elements, const std::vector<std::vector<int>>& labels);
+  void AddCells(const hyperpatch::Patch& patch, Cells cells, const Eigen::Matrix3Xi& elements,
+    std::vector<std::vector<int>> labels);
 
   /// How often points were added.
   [[nodiscard]] std::size_t NumberOfBlocks() const { return this->Points.size(); }
@@ -51,7 +50,8 @@ private:
   struct PointBlock
   {
     Eigen::Matrix3Xd Parameters, Points, Normals;
-    std::map<std::string, Eigen::MatrixXd> Attributes;
+    /// One for each of Components; of no points where the patch does not have it.
+    std::vector<Eigen::MatrixXd> Attributes;
   };
   struct CellBlock
   {
@@ -61,6 +61,9 @@ private:
     std::vector<std::vector<int>> Labels;
     std::size_t Points; ///< the block of its points
   };
+
+  void FillPoints(vtkPointSet* output) const;
+  void FillCells(vtkPointSet* output) const;
 
   std::map<std::string, int> Components;
   std::vector<std::string> Labels;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ValidityReport.h"
 
+#include "ArrayNames.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -348,7 +349,7 @@ void ValidityReport::Fill(vtkTable* table) const
 
   vtkFieldData* columns = table->GetRowData();
   AddStrings(columns, "Name", names);
-  AddArray<vtkIntArray>(columns, "PatchId", ids);
+  AddArray<vtkIntArray>(columns, hyperpatch::names::PatchId, ids);
   const auto add = [&](const char* name, auto&& value)
   {
     std::vector<double> values;
@@ -391,8 +392,8 @@ void ValidityReport::Fill(vtkFieldData* data) const
   const Row all = this->All();
   const auto add = [data](const char* name, std::size_t value)
   { AddArray<vtkIdTypeArray>(data, name, std::array<std::size_t, 1>{ value }); };
-  add("InvalidElements", all.Invalid);
-  add("UndecidedElements", all.Undecided);
+  add(hyperpatch::names::InvalidElements, all.Invalid);
+  add(hyperpatch::names::UndecidedElements, all.Undecided);
   add("TestedElements", all.Tested);
   std::vector<std::string> notes = this->NotesOfAll();
   for (const auto& [id, row] : this->Rows)

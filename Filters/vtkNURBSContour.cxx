@@ -2,6 +2,7 @@
 #include "vtkNURBSContour.h"
 
 #include "Aggregate.h"
+#include "ArrayNames.h"
 #include "Error.h"
 #include "FieldChoice.h"
 #include "NURBSMeshOutput.h"
@@ -50,7 +51,7 @@ void vtkNURBSContour::Execute(const hyperpatch::MultiPatch& model, vtkDataObject
       }
     }
   }
-  NURBSMeshOutput mesh(tolerances.Components, { "ContourIndex" });
+  NURBSMeshOutput mesh(tolerances.Components, { hyperpatch::names::ContourIndex });
   this->Draw(tasks, tolerances, mesh, output->GetFieldData());
   mesh.Fill(vtkPolyData::SafeDownCast(output));
 }

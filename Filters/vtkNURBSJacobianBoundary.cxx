@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkNURBSJacobianBoundary.h"
 
+#include "ArrayNames.h"
 #include "Error.h"
 #include "Evaluator.h"
 #include "FieldNumbers.h"
@@ -369,13 +370,14 @@ void vtkNURBSJacobianBoundary::DrawKnotPlanes(const hyperpatch::MultiPatch& mode
     error = std::max(error, all[r]);
     undecided += static_cast<std::int64_t>(all[r + 1]);
   }
-  vtkDataArray* cells = FieldNumbers::Named(fieldData, "UndecidedCells", 0.0);
+  vtkDataArray* cells = FieldNumbers::Named(fieldData, hyperpatch::names::UndecidedCells, 0.0);
   cells->SetComponent(0, 0, cells->GetComponent(0, 0) + static_cast<double>(undecided));
-  vtkDataArray* largest = FieldNumbers::Named(fieldData, "LargestError", 0.0);
+  vtkDataArray* largest = FieldNumbers::Named(fieldData, hyperpatch::names::LargestError, 0.0);
   largest->SetComponent(0, 0, std::max(largest->GetComponent(0, 0), error));
   if (!isReached)
   {
-    FieldNumbers::Named(fieldData, "ToleranceReached", 0.0)->SetComponent(0, 0, 0.0);
+    FieldNumbers::Named(fieldData, hyperpatch::names::ToleranceReached, 0.0)
+      ->SetComponent(0, 0, 0.0);
     vtkWarningMacro("the limit of refinement was reached on knot planes: the measured error is "
       << error << " where " << tolerances.Position << " was asked for, with " << undecided
       << " cells in which a change of sign could neither be seen nor excluded");
@@ -458,7 +460,7 @@ void vtkNURBSJacobianBoundary::Execute(const hyperpatch::MultiPatch& model, vtkD
                             "Duchaineau cannot draw: choose the method Certified, or one process");
   }
   const AbsoluteTolerances tolerances = this->FindTolerances(model);
-  NURBSMeshOutput mesh(tolerances.Components, { "Piece" });
+  NURBSMeshOutput mesh(tolerances.Components, { hyperpatch::names::Piece });
   const auto leftOut = std::count_if(model.Patches.begin(), model.Patches.end(),
     [](const hyperpatch::Patch& patch) { return patch.Body.Geometry().Dimension() < 3; });
   if (leftOut > 0)

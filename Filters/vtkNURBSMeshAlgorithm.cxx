@@ -2,8 +2,10 @@
 #include "vtkNURBSMeshAlgorithm.h"
 
 #include "Aggregate.h"
+#include "ArrayNames.h"
 #include "Error.h"
 #include "Evaluator.h"
+#include "Prepared.h"
 
 #include <algorithm>
 #include <array>
@@ -15,22 +17,23 @@ VTK_ABI_NAMESPACE_BEGIN
 namespace
 {
 
-/// Least and largest value over a grid of samples, knots included; a few per span where spans are
+/// Least and largest value over a grid of samples: all knots, and some between them where spans are
 /// few.
-std::array<double, 2> SampledRange(const hyperpatch::Spline& field)
+std::array<double, 2> SampledRange(
+  const hyperpatch::Spline& field, const hyperpatch::Evaluator& evaluator)
 {
+  constexpr std::size_t LayerValues = 1 << 15;
   std::size_t spans = 1;
   for (const hyperpatch::KnotVector& knots : field.Knots())
   {
     spans *= knots.Spans().size();
   }
   std::array<std::vector<double>, 3> samples;
-  std::size_t count = 1;
   for (std::size_t d = 0; d < 3; ++d)
   {
     const hyperpatch::KnotVector& knots = field.Knots()[d];
     const std::vector<double> breaks = knots.Breaks();
-    const int perSpan = std::min(knots.Degree() + 1, spans <= 10000 ? hyperpatch::MaxDegree : 2);
+    const int perSpan = std::min(knots.Degree() + 1, spans <= 10000 ? hyperpatch::MaxDegree : 1);
     for (std::size_t b = 0; b + 1 < breaks.size(); ++b)
     {
       for (int i = 0; i < perSpan; ++i)
@@ -42,12 +45,27 @@ std::array<double, 2> SampledRange(const hyperpatch::Spline& field)
     {
       samples[d].push_back(breaks.back());
     }
-    count *= samples[d].size();
   }
-  std::vector<double> values(count * static_cast<std::size_t>(field.Components()));
-  hyperpatch::Evaluator(field).EvaluateGrid(samples, values.data());
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return { *low, *high };
+  // Layer after layer: all values at once may be more than the spline itself.
+  const std::size_t layer =
+    samples[0].size() * samples[1].size() * static_cast<std::size_t>(field.Components());
+  const std::size_t layers = std::max<std::size_t>(1, LayerValues / layer);
+  std::vector<double> values(layer * std::min(layers, samples[2].size()));
+  std::array<double, 2> range{ INFINITY, -INFINITY };
+  for (std::size_t k = 0; k < samples[2].size(); k += layers)
+  {
+    const std::size_t count = std::min(layers, samples[2].size() - k);
+    const auto first = samples[2].begin() + static_cast<std::ptrdiff_t>(k);
+    evaluator.EvaluateGrid(
+      { samples[0], samples[1], { first, first + static_cast<std::ptrdiff_t>(count) } },
+      values.data());
+    for (std::size_t i = 0; i < count * layer; ++i)
+    {
+      range[0] = std::min(range[0], values[i]);
+      range[1] = std::max(range[1], values[i]);
+    }
+  }
+  return range;
 }
 
 }
@@ -79,7 +97,6 @@ void vtkNURBSMeshAlgorithm::ModelChanged()
 {
   this->Superclass::ModelChanged();
   this->LocalRanges.clear();
-  this->RangesKnown = false;
 }
 
 vtkNURBSMeshAlgorithm::AbsoluteTolerances vtkNURBSMeshAlgorithm::FindTolerances(
@@ -94,27 +111,20 @@ vtkNURBSMeshAlgorithm::AbsoluteTolerances vtkNURBSMeshAlgorithm::FindTolerances(
   // A model without extent has no error either.
   result.Position = this->Tolerance * (diagonal > 0.0 ? diagonal : 1.0);
 
-  if (!this->RangesKnown)
+  std::map<std::string, int> components; // of the patches here
+  for (const hyperpatch::Patch& patch : model.Patches)
   {
-    for (const hyperpatch::Patch& patch : model.Patches)
+    for (const hyperpatch::Attribute& attribute : patch.Body.Attributes())
     {
-      for (const hyperpatch::Attribute& attribute : patch.Body.Attributes())
-      {
-        const auto range = SampledRange(attribute.Field);
-        const auto [at, isNew] = this->LocalRanges.insert(
-          { attribute.Name, { attribute.Field.Components(), range[0], range[1] } });
-        at->second.Low = std::min(at->second.Low, range[0]);
-        at->second.High = std::max(at->second.High, range[1]);
-      }
+      components.emplace(attribute.Name, attribute.Field.Components());
     }
-    this->RangesKnown = true;
   }
 
   // All ranks agree on the attributes first: names as records of character codes, with components.
   std::vector<double> records;
-  for (const auto& [name, range] : this->LocalRanges)
+  for (const auto& [name, count] : components)
   {
-    records.push_back(range.Components);
+    records.push_back(count);
     records.push_back(static_cast<double>(name.size()));
     for (const char c : name)
     {
@@ -124,14 +134,14 @@ vtkNURBSMeshAlgorithm::AbsoluteTolerances vtkNURBSMeshAlgorithm::FindTolerances(
   records = this->AllGather(records);
   for (std::size_t i = 0; i < records.size();)
   {
-    const int components = static_cast<int>(records[i]);
+    const int count = static_cast<int>(records[i]);
     const auto length = static_cast<std::size_t>(records[i + 1]);
     std::string name;
     for (std::size_t c = 0; c < length; ++c)
     {
       name += static_cast<char>(static_cast<unsigned char>(records[i + 2 + c]));
     }
-    result.Components.emplace(name, components);
+    result.Components.emplace(name, count);
     i += 2 + length;
   }
 
@@ -150,7 +160,7 @@ vtkNURBSMeshAlgorithm::AbsoluteTolerances vtkNURBSMeshAlgorithm::FindTolerances(
       << " attributes have another number of components than their namesakes in other "
          "patches: they are NaN in the output");
   }
-  for (const char* ours : { "Normals", "ParametricCoordinates" })
+  for (const char* ours : { hyperpatch::names::Normals, hyperpatch::names::ParametricCoordinates })
   {
     if (result.Components.erase(ours) > 0)
     {
@@ -159,18 +169,22 @@ vtkNURBSMeshAlgorithm::AbsoluteTolerances vtkNURBSMeshAlgorithm::FindTolerances(
     }
   }
 
-  std::vector<double> low(result.Components.size(), INFINITY);
-  std::vector<double> high(result.Components.size(), -INFINITY);
-  for (const auto& [name, range] : this->LocalRanges)
+  if (this->AttributeTolerance <= 0.0)
   {
-    const auto found = result.Components.find(name);
-    if (found == result.Components.end())
-    {
-      continue;
-    }
-    const auto i = static_cast<std::size_t>(std::distance(result.Components.begin(), found));
-    low[i] = range.Low;
-    high[i] = range.High;
+    return result;
+  }
+  if (this->LocalRanges.empty())
+  {
+    this->FindRanges(model);
+  }
+  std::vector<double> low;
+  std::vector<double> high;
+  for (const auto& entry : result.Components)
+  {
+    const auto found = this->LocalRanges.find(entry.first);
+    const bool isHere = found != this->LocalRanges.end();
+    low.push_back(isHere ? found->second[0] : INFINITY);
+    high.push_back(isHere ? found->second[1] : -INFINITY);
   }
   low = this->GlobalMinimum(low);
   high = this->GlobalMaximum(high);
@@ -184,6 +198,30 @@ vtkNURBSMeshAlgorithm::AbsoluteTolerances vtkNURBSMeshAlgorithm::FindTolerances(
     ++i;
   }
   return result;
+}
+
+void vtkNURBSMeshAlgorithm::FindRanges(const hyperpatch::MultiPatch& model)
+{
+  for (std::size_t p = 0; p < model.Patches.size(); ++p)
+  {
+    const std::vector<hyperpatch::Attribute>& attributes = model.Patches[p].Body.Attributes();
+    const hyperpatch::PreparedAggregate* prepared = this->PreparedBody(model, p);
+    for (std::size_t a = 0; a < attributes.size(); ++a)
+    {
+      const hyperpatch::Spline& field = attributes[a].Field;
+      const auto range = prepared ? SampledRange(field, prepared->Attributes()[a]->Evaluator())
+                                  : SampledRange(field, hyperpatch::Evaluator(field));
+      const auto [at, isNew] = this->LocalRanges.try_emplace(attributes[a].Name, range);
+      at->second[0] = std::min(at->second[0], range[0]);
+      at->second[1] = std::max(at->second[1], range[1]);
+    }
+  }
+}
+
+const hyperpatch::PreparedAggregate* vtkNURBSMeshAlgorithm::PreparedBody(
+  const hyperpatch::MultiPatch& /*model*/, std::size_t /*patch*/)
+{
+  return nullptr;
 }
 
 VTK_ABI_NAMESPACE_END

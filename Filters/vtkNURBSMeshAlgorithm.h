@@ -21,6 +21,7 @@
 #include "vtkNURBSAlgorithm.h"
 #include "vtkNURBSFiltersModule.h" // for the export macro
 
+#include <array>  // for ranges of values
 #include <limits> // for the largest tolerance
 #include <map>    // for the tolerance of each attribute
 #include <string> // for names of attributes
@@ -28,6 +29,7 @@
 namespace hyperpatch
 {
 struct Patch;
+class PreparedAggregate;
 }
 
 class VTKNURBSFILTERS_EXPORT vtkNURBSMeshAlgorithm : public vtkNURBSAlgorithm
@@ -74,21 +76,22 @@ protected:
   };
   AbsoluteTolerances FindTolerances(const hyperpatch::MultiPatch& model);
 
+  /**
+   * What the filter keeps of a patch for itself, so that it is not made twice, or nullptr.
+   */
+  virtual const hyperpatch::PreparedAggregate* PreparedBody(
+    const hyperpatch::MultiPatch& model, std::size_t patch);
+
   void ModelChanged() override;
 
 private:
   vtkNURBSMeshAlgorithm(const vtkNURBSMeshAlgorithm&) = delete;
   void operator=(const vtkNURBSMeshAlgorithm&) = delete;
 
-  /// Components and least and largest sampled value of each attribute of the patches here.
-  struct LocalRange
-  {
-    int Components = 0;
-    double Low = 0.0;
-    double High = 0.0;
-  };
-  std::map<std::string, LocalRange> LocalRanges;
-  bool RangesKnown = false;
+  void FindRanges(const hyperpatch::MultiPatch& model);
+
+  /// Least and largest sampled value of each attribute of the patches here.
+  std::map<std::string, std::array<double, 2>> LocalRanges;
 
   double Tolerance = 1e-3;
   double AttributeTolerance = 1e-2;

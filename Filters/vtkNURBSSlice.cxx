@@ -2,6 +2,7 @@
 #include "vtkNURBSSlice.h"
 
 #include "Aggregate.h"
+#include "ArrayNames.h"
 #include "FunctionFields.h"
 #include "NURBSMeshOutput.h"
 #include "TrimmedSurfaces.h"
@@ -65,7 +66,7 @@ void vtkNURBSSlice::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* 
       }
     }
   }
-  NURBSMeshOutput mesh(tolerances.Components, { "SliceIndex" });
+  NURBSMeshOutput mesh(tolerances.Components, { hyperpatch::names::SliceIndex });
   this->Draw(tasks, tolerances, mesh, output->GetFieldData());
   mesh.Fill(vtkPolyData::SafeDownCast(output));
 }

@@ -2,6 +2,7 @@
 #include "vtkNURBSTessellate.h"
 
 #include "Aggregate.h"
+#include "ArrayNames.h"
 #include "Measures.h"
 #include "NURBSMeshOutput.h"
 #include "Tessellation.h"
@@ -77,31 +78,35 @@ void vtkNURBSTessellate::Execute(const hyperpatch::MultiPatch& model, vtkDataObj
   // Curves alone have no normals: zeros would draw them black.
   const bool normals = this->AnyRank(std::any_of(model.Patches.begin(), model.Patches.end(),
     [](const hyperpatch::Patch& patch) { return patch.Body.Geometry().Dimension() > 1; }));
-  NURBSMeshOutput mesh(tolerances.Components, { "Side" });
+  NURBSMeshOutput mesh(tolerances.Components, { hyperpatch::names::Side });
   bool limited = false;
   for (std::size_t i = 0; i < count; ++i)
   {
     const hyperpatch::Patch& patch = model.Patches[i];
     const bool volume = patch.Body.Geometry().Dimension() == 3;
-    const hyperpatch::SolidMesh& s = solids[i];
+    hyperpatch::SolidMesh s = std::move(solids[i]);
+    hyperpatch::SurfaceMesh b = std::move(surfaces[i]);
+    limited = limited || s.LimitReached || b.LimitReached;
     if (solid && volume)
     {
-      mesh.AddPoints(patch, s.Parameters, s.Points, Eigen::Matrix3Xd(), s.Attributes);
-      mesh.AddCells(patch, s.Hexahedra, s.Elements, { { -1 } });
+      mesh.AddPoints(
+        patch, std::move(s.Parameters), std::move(s.Points), {}, std::move(s.Attributes));
+      mesh.AddCells(patch, std::move(s.Hexahedra), s.Elements, { { -1 } });
     }
-    const hyperpatch::SurfaceMesh& b = surfaces[i];
-    mesh.AddPoints(
-      patch, b.Parameters, b.Points, normals ? b.Normals : Eigen::Matrix3Xd(), b.Attributes);
+    if (!normals)
+    {
+      b.Normals.resize(3, 0);
+    }
+    mesh.AddPoints(patch, std::move(b.Parameters), std::move(b.Points), std::move(b.Normals),
+      std::move(b.Attributes));
+    const std::vector<int> noSide{ -1 };
     mesh.AddCells(
-      patch, b.Lines, b.LineElements, { volume ? b.LineSides : std::vector<int>{ -1 } });
+      patch, std::move(b.Lines), b.LineElements, { volume ? std::move(b.LineSides) : noSide });
     if (!solid || !volume)
     {
-      mesh.AddCells(patch, b.Triangles, b.TriangleElements,
-        { volume ? b.TriangleSides : std::vector<int>{ -1 } });
+      mesh.AddCells(patch, std::move(b.Triangles), b.TriangleElements,
+        { volume ? std::move(b.TriangleSides) : noSide });
     }
-    limited = limited || s.LimitReached || b.LimitReached;
-    solids[i] = {};
-    surfaces[i] = {};
   }
   if (limited)
   {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkNURBSZeroSetAlgorithm.h"
 
+#include "ArrayNames.h"
 #include "FieldNumbers.h"
 #include "Measures.h"
 #include "NURBSMeshOutput.h"
@@ -46,6 +47,12 @@ const std::vector<vtkNURBSZeroSetAlgorithm::PreparedPatch>& vtkNURBSZeroSetAlgor
   return this->Prepared;
 }
 
+const hyperpatch::PreparedAggregate* vtkNURBSZeroSetAlgorithm::PreparedBody(
+  const hyperpatch::MultiPatch& model, std::size_t patch)
+{
+  return this->Prepare(model)[patch].Body.get();
+}
+
 void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   const AbsoluteTolerances& tolerances, NURBSMeshOutput& output, vtkFieldData* fieldData)
 {
@@ -82,12 +89,12 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   const std::size_t before = output.NumberOfBlocks();
   for (std::size_t i = 0; i < tasks.size(); ++i)
   {
-    const hyperpatch::ZeroSetMesh& mesh = surfaces[i];
-    output.AddPoints(
-      *tasks[i].On.Patch, mesh.Parameters, mesh.Points, mesh.Normals, mesh.Attributes);
+    hyperpatch::ZeroSetMesh& mesh = surfaces[i];
+    output.AddPoints(*tasks[i].On.Patch, std::move(mesh.Parameters), std::move(mesh.Points),
+      std::move(mesh.Normals), std::move(mesh.Attributes));
     const Eigen::Vector3i firstSpan(tasks[i].On.Patch->FirstSpan.data());
-    output.AddCells(
-      *tasks[i].On.Patch, mesh.Cells, mesh.Elements.colwise() + firstSpan, { { tasks[i].Value } });
+    output.AddCells(*tasks[i].On.Patch, std::move(mesh.Cells), mesh.Elements.colwise() + firstSpan,
+      { { tasks[i].Value } });
   }
   if (this->MergePoints)
   {
@@ -95,14 +102,19 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   }
 
   const hyperpatch::ZeroSetCertificate certificate = group.TotalCertificate();
-  FieldNumbers::AddCount(fieldData, "CertifiedCells", certificate.CertifiedCells);
-  FieldNumbers::AddCount(fieldData, "UndecidedCells", certificate.UndecidedCells);
-  FieldNumbers::AddNumber(fieldData, "LargestResidual", certificate.LargestResidual);
-  FieldNumbers::AddNumber(fieldData, "LargestError", certificate.LargestError);
-  FieldNumbers::AddCount(fieldData, "ToleranceReached", certificate.ToleranceReached ? 1 : 0);
-  FieldNumbers::AddCount(fieldData, "OpenEdgesOnBoundary", certificate.OpenEdgesOnBoundary);
-  FieldNumbers::AddCount(fieldData, "OpenEdgesOnInterfaces", certificate.OpenEdgesOnInterfaces);
-  FieldNumbers::AddCount(fieldData, "OpenEdgesInside", certificate.OpenEdgesInside);
+  FieldNumbers::AddCount(fieldData, hyperpatch::names::CertifiedCells, certificate.CertifiedCells);
+  FieldNumbers::AddCount(fieldData, hyperpatch::names::UndecidedCells, certificate.UndecidedCells);
+  FieldNumbers::AddNumber(
+    fieldData, hyperpatch::names::LargestResidual, certificate.LargestResidual);
+  FieldNumbers::AddNumber(fieldData, hyperpatch::names::LargestError, certificate.LargestError);
+  FieldNumbers::AddCount(
+    fieldData, hyperpatch::names::ToleranceReached, certificate.ToleranceReached ? 1 : 0);
+  FieldNumbers::AddCount(
+    fieldData, hyperpatch::names::OpenEdgesOnBoundary, certificate.OpenEdgesOnBoundary);
+  FieldNumbers::AddCount(
+    fieldData, hyperpatch::names::OpenEdgesOnInterfaces, certificate.OpenEdgesOnInterfaces);
+  FieldNumbers::AddCount(
+    fieldData, hyperpatch::names::OpenEdgesInside, certificate.OpenEdgesInside);
   if (rank > 0)
   {
     return;

@@ -112,6 +112,9 @@ protected:
 
   void ModelChanged() override;
 
+  const hyperpatch::PreparedAggregate* PreparedBody(
+    const hyperpatch::MultiPatch& model, std::size_t patch) override;
+
 private:
   vtkNURBSZeroSetAlgorithm(const vtkNURBSZeroSetAlgorithm&) = delete;
   void operator=(const vtkNURBSZeroSetAlgorithm&) = delete;
