@@ -119,6 +119,7 @@ void ZeroSet::Worker::FillLoop(
   if (leaf.Height >= 0)
   {
     std::vector<std::pair<int, double>> missing;
+    scratch.Measuring.Known.clear();
     this->MeasureFacets(
       triangles, static_cast<int>(loop.size()), loop, {}, scratch, facets, missing);
     facets.Failed = missing.empty() ? 0 : 1;
@@ -325,6 +326,7 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
   constexpr int Rounds = 8;
   double worst = 0.0;
   std::vector<std::pair<int, double>> missing;
+  scratch.Measuring.Known.clear();
   for (int round = 0; round < Rounds; ++round)
   {
     missing.clear();

@@ -13,6 +13,16 @@ namespace hyperpatch
 namespace
 {
 
+/// Slope of a curve at the end of its chord, times its length, by the normal there: such that the
+/// cubic with these slopes is as high as an arc of a circle.
+double Rise(const Eigen::Vector3d& normal, const Eigen::Vector3d& chord)
+{
+  const double along = normal.dot(chord);
+  const double square = chord.squaredNorm();
+  return square > 0.0 ? 2.0 * along / (1.0 + std::sqrt(std::max(0.0, 1.0 - along * along / square)))
+                      : 0.0;
+}
+
 /// How far a surface leaves a triangle inside it, to second order: half of sum l_i l_j q_ij in
 /// barycentric coordinates, where q_ij is what the normal turns by along edge ij, times its length.
 double MiddleHeight(const std::array<double, 3>& q)
@@ -53,9 +63,11 @@ void ZeroSet::Worker::Middles::Add(Index to, double weight, const Samples& sampl
   }
 }
 
-void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors) const
+void ZeroSet::Worker::Measure(Middles& middles, std::vector<Error>& errors) const
 {
   const auto& [parameters, points, attributes, axes, chords] = middles;
+  // Of what lies along the surface, less makes no difference.
+  const double least = std::pow(0.3 * this->Options.Tolerance, 2);
   // From the middle of the parameters one step onto f = 0, then the distance across the surface.
   const Index count = parameters.cols();
   const auto n = static_cast<std::size_t>(count);
@@ -94,14 +106,30 @@ void ZeroSet::Worker::Measure(const Middles& middles, std::vector<Error>& errors
     const double across = off.dot(normal);
     const bool hasNormal = this->Axes.size() == 3 && normal.squaredNorm() > 0.5;
     double distance = hasNormal ? std::abs(across) : off.norm();
+    const Eigen::Vector3d along = hasNormal ? Eigen::Vector3d(off - across * normal) : off;
+    if (hasNormal && along.squaredNorm() > least)
+    {
+      // The point below it on the surface, which may end before.
+      Eigen::Matrix3d J;
+      for (int d = 0; d < 3; ++d)
+      {
+        J.col(d) = D.block(m * d, i, m, 1);
+      }
+      const Eigen::Vector3d foot = at.col(i) + J.inverse() * along;
+      const Eigen::Vector3d inside = foot.cwiseMax(this->Low).cwiseMin(this->High);
+      if (foot.allFinite())
+      {
+        middles.Parameters.col(i) = inside;
+        distance = std::hypot(distance, (J * (foot - inside)).norm());
+      }
+    }
     const bool isCurve = chords.cols() > 0 && !chords.col(i).isZero(0.0);
     if (isCurve)
     {
       distance = (off - off.dot(chords.col(i)) * chords.col(i)).norm();
     }
     errors[static_cast<std::size_t>(i)] = { distance, 0.0 };
-    tangential[static_cast<std::size_t>(i)] =
-      hasNormal ? Eigen::Vector3d(off - across * normal) : off;
+    tangential[static_cast<std::size_t>(i)] = along;
   }
   for (std::size_t a = 0; a < this->Attributes.size(); ++a)
   {
@@ -147,87 +175,137 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
   int boundary, const std::vector<Index>& loop, const std::vector<Index>& innerOf, Scratch& scratch,
   Facets& facets, std::vector<std::pair<int, double>>& missing) const
 {
-  const auto count = static_cast<Index>(triangles.size());
-  // Barycentric coordinates of the samples: distances are known well from the normals, attributes
-  // only where they are evaluated.
-  static constexpr std::array<std::array<double, 3>, 4> Places{ { { 1.0 / 3, 1.0 / 3, 1.0 / 3 },
-    { 0.5, 0.5, 0.0 }, { 0.0, 0.5, 0.5 }, { 0.5, 0.0, 0.5 } } };
-  const bool hasAttributes = this->HasAttributes();
-  const Index places = hasAttributes ? 4 : 1;
-  std::vector<double>& errors = scratch.Errors;
-  errors.assign(static_cast<std::size_t>(count), 0.0);
-  const auto corner = [&](Index t, int k) -> std::pair<const Samples*, Index>
+  const auto count = triangles.size();
+  const double tolerance = this->Options.Tolerance;
+  const double turn = this->Options.Handedness < 0 ? -1.0 : 1.0;
+  // Barycentric coordinates of the samples. In the middle always: normals at the corners alone can
+  // be those of a plane under a dome. On the edges too for attributes, of which nothing else is
+  // known. There, and further inside, where what the normals say is doubtful.
+  static constexpr std::array<std::array<double, 3>, 7> Places{ { { 1.0 / 3, 1.0 / 3, 1.0 / 3 },
+    { 0.5, 0.5, 0.0 }, { 0.0, 0.5, 0.5 }, { 0.5, 0.0, 0.5 }, { 0.6, 0.2, 0.2 }, { 0.2, 0.6, 0.2 },
+    { 0.2, 0.2, 0.6 } } };
+  const std::size_t fewest = this->HasAttributes() ? 4 : 1;
+  constexpr double Tilted = 0.93; // cosines of normals against the triangle's
+  constexpr double MuchTilted = 0.7;
+  constexpr double Unequal = 3.0;  // slopes at both ends of an edge, in heights
+  constexpr double Doubtful = 0.7; // shares of the tolerance
+  constexpr double Close = 0.87;
+
+  const auto corner = [&](std::size_t t, std::size_t k) -> std::pair<const Samples*, Index>
   {
-    const int c = triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)];
+    const int c = triangles[t][k];
     return c >= boundary
       ? std::make_pair(&facets.Inner, innerOf[static_cast<std::size_t>(c - boundary)])
       : std::make_pair(&this->Shared, loop[static_cast<std::size_t>(c)]);
   };
-  double distance = 0.0;
-  for (Index t = 0; t < count; ++t)
+  std::vector<FacetTriangulation::Triangle>& known = scratch.Measuring.Known;
+  std::vector<Error>& errors = scratch.Measuring.Errors;
+  std::vector<double>& shares = scratch.Measuring.Shares;
+  std::vector<std::size_t>& all = scratch.Measuring.All;
+  std::vector<std::size_t>& doubtful = scratch.Measuring.Doubtful;
+  std::vector<Error>& measured = scratch.Measuring.Measured;
+  Middles& middles = scratch.Measuring.Centres;
+  errors.resize(count);
+  shares.resize(count);
+  all.clear();
+  doubtful.clear();
+  for (std::size_t t = 0; t < count; ++t)
   {
+    if (t < known.size() && known[t] == triangles[t])
+    {
+      continue;
+    }
     Eigen::Matrix3d X;
     Eigen::Matrix3d n;
-    for (int k = 0; k < 3; ++k)
+    for (std::size_t k = 0; k < 3; ++k)
     {
       const auto [s, i] = corner(t, k);
-      X.col(k) = s->Points.col(i);
-      n.col(k) = s->Normals.col(i);
+      X.col(static_cast<Index>(k)) = s->Points.col(i);
+      n.col(static_cast<Index>(k)) = s->Normals.col(i);
     }
     // The cubic through the corners with these normals, on the edges and in the middle.
     double most = 0.0;
+    double unequal = 0.0;
+    double longest = 0.0;
     std::array<double, 3> q{};
     for (int k = 0; k < 3; ++k)
     {
       const int l = (k + 1) % 3;
       const Eigen::Vector3d chord = X.col(l) - X.col(k);
-      const double from = -n.col(k).dot(chord);
-      const double to = n.col(l).dot(chord);
+      const double from = Rise(-n.col(k), chord);
+      const double to = Rise(n.col(l), chord);
       most = std::max(most, HermiteHeight(from, to));
+      unequal = std::max(unequal, std::abs(from - to));
+      longest = std::max(longest, chord.squaredNorm());
       q[static_cast<std::size_t>(k)] = from + to;
     }
     most = std::max(most, MiddleHeight(q));
-    errors[static_cast<std::size_t>(t)] = most / this->Options.Tolerance;
-    distance = std::max(distance, most);
-  }
-  double attribute = 0.0;
-  // Normals at the corners alone can be those of a plane under a dome.
-  Middles& middles = scratch.Centres;
-  middles.SetZero(*this, places * count);
-  for (Index t = 0; t < count; ++t)
-  {
-    for (int k = 0; k < 3; ++k)
+    errors[t] = { most, 0.0 };
+    shares[t] = most / tolerance;
+    const Eigen::Vector3d across = turn * (X.col(1) - X.col(0)).cross(X.col(2) - X.col(0));
+    const double area = across.norm();
+    const Eigen::RowVector3d facing = across.transpose() * n;
+    if (facing.maxCoeff() < 0.0)
     {
-      const auto [s, i] = corner(t, k);
-      for (Index p = 0; p < places; ++p)
+      // Turned over, but for what is too thin to be seen.
+      shares[t] = std::max(shares[t], area / (std::sqrt(longest) * tolerance));
+    }
+    all.push_back(t);
+    const bool isTilted = facing.minCoeff() < Tilted * area || unequal > Unequal * most;
+    if (shares[t] <= Accepted &&
+      (facing.minCoeff() < MuchTilted * area || shares[t] > (isTilted ? Doubtful : Close)))
+    {
+      doubtful.push_back(t);
+    }
+  }
+  const auto measure = [&](const std::vector<std::size_t>& which, std::size_t places, int steps)
+  {
+    middles.SetZero(*this, static_cast<Index>(places * which.size()));
+    Index at = 0;
+    for (const std::size_t t : which)
+    {
+      for (std::size_t p = 0; p < places; ++p, ++at)
       {
-        middles.Add(
-          places * t + p, Places[static_cast<std::size_t>(p)][static_cast<std::size_t>(k)], *s, i);
+        for (std::size_t k = 0; k < 3; ++k)
+        {
+          const auto [s, i] = corner(t, k);
+          middles.Add(at, Places[p][k], *s, i);
+        }
       }
     }
-  }
-  std::vector<Error>& measured = scratch.Measured;
-  this->Measure(middles, measured);
-  for (std::size_t i = 0; i < measured.size(); ++i)
-  {
-    const Error& e = measured[i];
-    double& error = errors[i / static_cast<std::size_t>(places)];
-    error = std::max({ error, e.Distance / this->Options.Tolerance, e.Attribute });
-    distance = std::max(distance, e.Distance);
-    attribute = std::max(attribute, e.Attribute);
-  }
-  double worst = 0.0;
-  for (Index t = 0; t < count; ++t)
-  {
-    const double error = errors[static_cast<std::size_t>(t)];
-    worst = std::max(worst, error);
-    if (error > Accepted)
+    for (int step = 0; step < steps; ++step)
     {
-      missing.emplace_back(static_cast<int>(t), error);
+      this->Measure(middles, measured);
+    }
+    for (std::size_t i = 0; i < places * which.size(); ++i)
+    {
+      const Error& e = measured[i];
+      Error& error = errors[which[i / places]];
+      error.Distance = std::max(error.Distance, e.Distance);
+      error.Attribute = std::max(error.Attribute, e.Attribute);
+      double& share = shares[which[i / places]];
+      share = std::max({ share, e.Distance / tolerance, e.Attribute });
+    }
+  };
+  measure(all, fewest, 1);
+  if (!doubtful.empty())
+  {
+    measure(doubtful, Places.size(), 2);
+  }
+  known = triangles;
+
+  double worst = 0.0;
+  facets.Error = facets.AttributeError = 0.0;
+  for (std::size_t t = 0; t < count; ++t)
+  {
+    facets.Error = std::max(facets.Error, errors[t].Distance);
+    facets.AttributeError = std::max(facets.AttributeError, errors[t].Attribute);
+    worst = std::max(worst, shares[t]);
+    if (shares[t] > Accepted)
+    {
+      missing.emplace_back(static_cast<int>(t), shares[t]);
     }
   }
-  facets.Error = distance;
-  facets.AttributeError = attribute;
   return worst;
 }
 

@@ -182,6 +182,7 @@ bool ZeroSet::Worker::SplitEdge(
   const double distance = piece.Error;
   const double attribute = piece.AttributeError;
   std::vector<std::pair<int, double>> missing;
+  scratch.Measuring.Known.clear();
   const double worst = this->MeasureFacets(
     triangles, static_cast<int>(loop.size()), loop, innerOf, scratch, piece, missing);
   piece.Error = std::max(piece.Error, distance);

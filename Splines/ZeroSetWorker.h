@@ -171,9 +171,16 @@ private:
     };
     std::vector<Step> Steps;
     std::vector<Step*> Path;
-    std::vector<double> Errors; ///< of triangles
-    std::vector<Error> Measured;
-    Middles Centres;
+    /// Of MeasureFacets(), which measures triangles that it knows only once.
+    struct
+    {
+      std::vector<FacetTriangulation::Triangle> Known;
+      std::vector<Error> Errors;  ///< of triangles
+      std::vector<double> Shares; ///< of what is allowed
+      std::vector<std::size_t> All, Doubtful;
+      std::vector<Error> Measured;
+      Middles Centres;
+    } Measuring;
     std::vector<std::vector<Index>> Loops;
   };
 
@@ -342,6 +349,7 @@ private:
     const std::vector<Index>& firsts, const std::vector<Index>& counts, const Samples& samples,
     const std::vector<int>& axisOf, const std::vector<double>& places, std::vector<double>& errors);
   /// Of triangles whose first `boundary` points are those of the loop and the others inner ones.
+  /// Those in Scratch::Measuring.Known are not measured again.
   /// \param missing triangles that miss a tolerance, and by which factor
   /// \returns the largest error by its tolerance
   double MeasureFacets(const std::vector<FacetTriangulation::Triangle>& triangles, int boundary,
@@ -354,8 +362,9 @@ private:
     return std::max({ std::abs(0.125 * (from + to)), std::abs(9.0 * from + 3.0 * to) / 64.0,
       std::abs(3.0 * from + 9.0 * to) / 64.0 });
   }
-  /// Of linear cells, at points inside them.
-  void Measure(const Middles& middles, std::vector<Error>& errors) const;
+  /// Of linear cells, at points inside them, whose parameters become those of the points of the
+  /// surface below where these are somewhere else: then, another time is more exact.
+  void Measure(Middles& middles, std::vector<Error>& errors) const;
 
   /// Whether attributes have tolerances to meet.
   [[nodiscard]] bool HasAttributes() const
