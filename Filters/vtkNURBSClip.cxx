@@ -2,6 +2,8 @@
 #include "vtkNURBSClip.h"
 
 #include "Aggregate.h"
+#include "ArrayNames.h"
+#include "BendBounds.h"
 #include "Clip.h"
 #include "Error.h"
 #include "FieldChoice.h"
@@ -9,32 +11,33 @@
 #include "FunctionFields.h"
 #include "Measures.h"
 #include "NURBSMeshOutput.h"
-#include "Tessellation.h"
 
 #include "vtkDataObject.h"
 #include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
+#include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkType.h"
 #include "vtkUnstructuredGrid.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <exception>
+#include <memory>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
 VTK_ABI_NAMESPACE_BEGIN
 vtkStandardNewMacro(vtkNURBSClip);
 
-struct vtkNURBSClip::KeptGrids
+/// What depends on patches and on which attributes have tolerances, in the
+/// order of the model.
+struct vtkNURBSClip::KeptBends
 {
-  struct Kept
-  {
-    std::vector<double> Tolerances; ///< those of the grid; empty: there is none yet
-    hyperpatch::SolidGrid Grid;
-  };
-  std::vector<Kept> OfPatch; ///< in the order of the model
+  std::vector<std::shared_ptr<hyperpatch::BendBounds>> OfPatch;
 };
 
 vtkNURBSClip::vtkNURBSClip() = default;
@@ -78,7 +81,7 @@ int vtkNURBSClip::OutputType() const
 void vtkNURBSClip::ModelChanged()
 {
   this->Superclass::ModelChanged();
-  this->Grids.reset();
+  this->Bends.reset();
 }
 
 void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* output)
@@ -101,105 +104,120 @@ void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* o
     }
   }
 
-  struct Part
+  if (!this->Bends)
   {
-    const hyperpatch::Patch* On;
-    KeptGrids::Kept* Kept;
-    std::shared_ptr<const hyperpatch::PreparedAggregate> Body;
-    std::vector<std::shared_ptr<const hyperpatch::ScalarField>> Fields;
-    hyperpatch::ClipMesh Mesh;
-  };
-  std::vector<Part> parts;
-  if (!this->Grids)
-  {
-    this->Grids = std::make_unique<KeptGrids>();
-    this->Grids->OfPatch.resize(model.Patches.size());
+    this->Bends = std::make_unique<KeptBends>();
+    this->Bends->OfPatch.resize(model.Patches.size());
   }
+  std::vector<hyperpatch::ClipGroup::Member> members;
+  std::vector<std::size_t> patches;
+  hyperpatch::ClipGroup::Kept kept;
   for (std::size_t p = 0; p < model.Patches.size(); ++p)
   {
     const hyperpatch::Patch& patch = model.Patches[p];
-    Part part{ &patch, &this->Grids->OfPatch[p],
+    hyperpatch::ClipGroup::Member member{ &patch,
       std::make_shared<const hyperpatch::PreparedAggregate>(patch.Body), {}, {} };
     if (function)
     {
-      part.Fields = function->At(*part.Body, 0.0);
+      member.Fields = function->At(*member.Body, 0.0);
     }
-    else if (auto field = choice.At(*part.Body, this->Value))
+    else if (auto field = choice.At(*member.Body, this->Value))
     {
-      part.Fields.push_back(std::move(field));
+      member.Fields.push_back(std::move(field));
     }
-    if (!part.Fields.empty())
+    if (member.Fields.empty())
     {
-      parts.push_back(std::move(part));
+      continue;
     }
-  }
-  const auto clip = [&](Part& part, const hyperpatch::ParallelFor& loop)
-  {
-    hyperpatch::ClipOptions options;
+    hyperpatch::ClipOptions& options = member.Options;
     options.Tolerance = tolerances.Position;
-    options.AttributeTolerances = tolerances.Of(*part.On);
+    options.AttributeTolerances = tolerances.Of(patch);
     options.KeepInside = this->Invert;
-    options.Handedness = hyperpatch::Handedness(*part.On) < 0 ? -1 : 1;
-    options.For = loop;
-    std::vector<double> own = options.AttributeTolerances;
-    own.push_back(options.Tolerance);
-    if (part.Kept->Tolerances != own)
+    options.Handedness = hyperpatch::Handedness(patch) < 0 ? -1 : 1;
+    options.Abort = [this, caller = std::this_thread::get_id()]
     {
-      hyperpatch::TessellationOptions grid;
-      grid.Tolerance = options.Tolerance;
-      grid.AttributeTolerances = options.AttributeTolerances;
-      grid.For = loop;
-      part.Kept->Tolerances.clear();
-      part.Kept->Grid = hyperpatch::MakeSolidGrid(*part.On, grid);
-      part.Kept->Tolerances = std::move(own);
-    }
-    options.Grid = &part.Kept->Grid;
-    part.Mesh = hyperpatch::Clip(*part.On, part.Body, part.Fields, options);
-  };
-  // Few patches: the loops inside use the threads. Many: they are dealt out whole.
-  if (parts.size() < 8)
-  {
-    for (std::size_t i = 0; i < parts.size(); ++i)
-    {
-      const auto count = static_cast<double>(parts.size());
-      this->SetProgressRange(static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
-      clip(parts[i], this->KernelParallelFor());
-    }
-  }
-  else
-  {
-    this->ParallelFor(static_cast<vtkIdType>(parts.size()), 1,
-      [&](vtkIdType begin, vtkIdType end)
+      // Other threads are stopped by the loop that they run in.
+      if (std::this_thread::get_id() == caller)
       {
-        for (vtkIdType i = begin; i < end; ++i)
-        {
-          clip(parts[static_cast<std::size_t>(i)], hyperpatch::SerialFor);
-        }
-      });
+        this->ReportProgress(0.0);
+      }
+      return false;
+    };
+    members.push_back(std::move(member));
+    patches.push_back(p);
+    kept.push_back(this->Bends->OfPatch[p]);
+  }
+  // One rank must not leave alone: the others would wait for its numbers.
+  std::optional<hyperpatch::ClipGroup> group;
+  std::exception_ptr failure;
+  try
+  {
+    group.emplace(members, model.Interfaces, this->KernelParallelFor(), kept);
+    for (std::size_t i = 0; i < patches.size(); ++i)
+    {
+      this->Bends->OfPatch[patches[i]] = group->Bends()[i];
+    }
+    group->Extract();
+  }
+  catch (...)
+  {
+    failure = std::current_exception();
+  }
+  if (this->AnyRank(failure != nullptr))
+  {
+    if (failure)
+    {
+      std::rethrow_exception(failure);
+    }
+    return;
   }
 
   NURBSMeshOutput mesh(tolerances.Components, {});
   hyperpatch::ZeroSetCertificate certificate;
-  for (Part& part : parts)
+  vtkIdType openFaces = 0;
   {
-    certificate.Add(part.Mesh.Certificate);
-    const hyperpatch::Patch& patch = *part.On;
-    const Eigen::Vector3i firstSpan(patch.FirstSpan.data());
-    mesh.AddPoints(
-      patch, part.Mesh.Parameters, part.Mesh.Points, Eigen::Matrix3Xd(), part.Mesh.Attributes);
-    mesh.AddCells(patch, part.Mesh.Cells, part.Mesh.Elements.colwise() + firstSpan, {});
-    part.Mesh = {};
+    // Of all ranks.
+    const hyperpatch::ZeroSetCertificate own = group->Certificate();
+    constexpr std::size_t Size = 7;
+    const std::vector<double> records = this->AllGather(
+      { static_cast<double>(own.CertifiedCells), static_cast<double>(own.UndecidedCells),
+        own.LargestResidual, own.LargestError, own.LargestAttributeError,
+        own.ToleranceReached ? 1.0 : 0.0, static_cast<double>(group->OpenFacesOnInterfaces()) });
+    for (std::size_t r = 0; r < records.size(); r += Size)
+    {
+      hyperpatch::ZeroSetCertificate one;
+      one.CertifiedCells = static_cast<std::int64_t>(records[r]);
+      one.UndecidedCells = static_cast<std::int64_t>(records[r + 1]);
+      one.LargestResidual = records[r + 2];
+      one.LargestError = records[r + 3];
+      one.LargestAttributeError = records[r + 4];
+      one.ToleranceReached = records[r + 5] != 0.0;
+      certificate.Add(one);
+      openFaces += static_cast<vtkIdType>(records[r + 6]);
+    }
   }
-  vtkFieldData* numbers = output->GetFieldData();
-  FieldNumbers::AddCount(numbers, "CertifiedCells", certificate.CertifiedCells);
-  FieldNumbers::AddCount(numbers, "UndecidedCells", certificate.UndecidedCells);
-  FieldNumbers::AddNumber(numbers, "LargestResidual", certificate.LargestResidual);
-  FieldNumbers::AddNumber(numbers, "LargestError", certificate.LargestError);
-  FieldNumbers::AddCount(numbers, "ToleranceReached", certificate.ToleranceReached ? 1 : 0);
-  if (!certificate.ToleranceReached)
+  for (std::size_t i = 0; i < members.size(); ++i)
   {
-    vtkWarningMacro(
-      "the limit of refinement was reached before the tolerance: the measured error is "
+    const hyperpatch::Patch& patch = *members[i].On;
+    hyperpatch::ClipMesh part = std::move(group->Mesh(i));
+    const Eigen::Vector3i firstSpan(patch.FirstSpan.data());
+    mesh.AddPoints(patch, std::move(part.Parameters), std::move(part.Points), Eigen::Matrix3Xd(),
+      std::move(part.Attributes));
+    mesh.AddCells(patch, std::move(part.Cells), part.Elements.colwise() + firstSpan, {});
+  }
+  const int rank = this->GetController() ? this->GetController()->GetLocalProcessId() : 0;
+  vtkFieldData* numbers = output->GetFieldData();
+  FieldNumbers::AddCount(numbers, hyperpatch::names::CertifiedCells, certificate.CertifiedCells);
+  FieldNumbers::AddCount(numbers, hyperpatch::names::UndecidedCells, certificate.UndecidedCells);
+  FieldNumbers::AddNumber(numbers, hyperpatch::names::LargestResidual, certificate.LargestResidual);
+  FieldNumbers::AddNumber(numbers, hyperpatch::names::LargestError, certificate.LargestError);
+  FieldNumbers::AddCount(numbers, "OpenFacesOnInterfaces", openFaces);
+  FieldNumbers::AddCount(
+    numbers, hyperpatch::names::ToleranceReached, certificate.ToleranceReached ? 1 : 0);
+  if (!certificate.ToleranceReached && rank == 0)
+  {
+    vtkWarningMacro("the limit of refinement was reached before the tolerance: "
+                    "the measured error is "
       << certificate.LargestError << " where " << tolerances.Position
       << " was asked for (attributes: " << certificate.LargestAttributeError
       << " times their tolerance); " << certificate.UndecidedCells << " cells are undecided");

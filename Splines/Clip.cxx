@@ -1,34 +1,52 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Which elements of a patch take part in a clip, and how their simplices are
+// refined.
 #include "Clip.h"
 
 #include "ClipWorker.h"
+#include "Error.h"
+#include "Tessellation.h"
 
 #include <Eigen/Dense>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 #include <utility>
 
 namespace hyperpatch
 {
 
-ClipWorker::ClipWorker(const Patch& patch, std::shared_ptr<const PreparedAggregate> body,
-  std::vector<std::shared_ptr<const ScalarField>> fields, const ClipOptions& options)
-  : P(patch)
-  , Body(std::move(body))
-  , Fields(std::move(fields))
-  , Options(options)
+namespace
 {
-  TessellationOptions grid;
-  grid.Tolerance = options.Tolerance;
-  grid.AttributeTolerances = options.AttributeTolerances;
-  grid.For = options.For;
-  this->Grid = options.Grid ? *options.Grid : MakeSolidGrid(patch, grid);
-  const auto degrees = patch.Body.Geometry().Degrees();
-  this->Mesh.emplace(
-    this->Grid.Lines, std::array<bool, 3>{ degrees[0] > 0, degrees[1] > 0, degrees[2] > 0 });
-  this->Values.resize(this->Fields.size());
-  this->Attributes.resize(patch.Body.Attributes().size());
+
+constexpr double NotKnown = std::numeric_limits<double>::quiet_NaN();
+
+}
+
+ClipWorker::ClipWorker(const ClipGroup::Member& member, std::shared_ptr<BendBounds> bends)
+  : M(member)
+  , B(std::move(bends))
+{
+  const Aggregate& body = this->M.On->Body;
+  const ClipOptions& options = this->M.Options;
+  CheckTolerances(*this->M.On, options.Tolerance, options.AttributeTolerances);
+  if (this->M.Fields.size() > SimplexCut::MaximumFields)
+  {
+    throw hyperpatch::Error(
+      "simplices are cut by " + std::to_string(SimplexCut::MaximumFields) + " fields at most");
+  }
+  this->Tolerances.push_back(options.Tolerance);
+  for (std::size_t a = 0; a < options.AttributeTolerances.size(); ++a)
+  {
+    const double tolerance = options.AttributeTolerances[a];
+    if (tolerance > 0.0 && std::isfinite(tolerance))
+    {
+      this->Tolerances.insert(this->Tolerances.end(),
+        static_cast<std::size_t>(body.Attributes()[a].Field.Components()), tolerance);
+    }
+  }
   const auto addCreases = [this](const Spline& spline)
   {
     for (std::size_t d = 0; d < 3; ++d)
@@ -41,82 +59,301 @@ ClipWorker::ClipWorker(const Patch& patch, std::shared_ptr<const PreparedAggrega
       std::sort(all.begin(), all.end());
     }
   };
-  addCreases(patch.Body.Geometry());
-  for (const Attribute& attribute : patch.Body.Attributes())
+  addCreases(body.Geometry());
+  for (const Attribute& attribute : body.Attributes())
   {
     addCreases(attribute.Field);
   }
-  this->IsNew.assign(this->Mesh->Cells().size(), 1);
-  this->EvaluateNodes();
-  Eigen::AlignedBox3d bounds;
-  for (const Cell& cell : this->Mesh->Cells())
+  for (std::size_t d = 0; d < 3; ++d)
   {
-    bounds.extend(this->Points[Corner(cell, 0)]);
+    this->Lines[d] = this->B->Axes()[d].Breaks;
   }
-  this->DomainWidth = bounds.diagonal().norm();
+  for (const auto& field : this->M.Fields)
+  {
+    this->HasSampledFields = this->HasSampledFields || !field->HasBounds();
+  }
+  const auto points = body.Geometry().Coefficients();
+  this->DomainWidth = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  this->Values.resize(this->M.Fields.size());
+  this->Attributes.resize(body.Attributes().size());
 }
 
-void ClipWorker::EvaluateNodes()
+bool ClipWorker::IsDecided(unsigned state) const
+{
+  bool isDecided = true;
+  for (std::size_t k = 0; k < this->M.Fields.size(); ++k)
+  {
+    isDecided = isDecided && SideOf(state, k) != Side::Unknown;
+  }
+  return isDecided;
+}
+
+bool ClipWorker::IsDropped(unsigned state) const
+{
+  bool isInside = true;
+  bool isOutside = false;
+  for (std::size_t k = 0; k < this->M.Fields.size(); ++k)
+  {
+    isInside = isInside && SideOf(state, k) == Side::Inside;
+    isOutside = isOutside || SideOf(state, k) == Side::Outside;
+  }
+  return this->M.Options.KeepInside ? isOutside : isInside;
+}
+
+bool ClipWorker::IsDroppedByCorners(const Cell& cell) const
+{
+  unsigned state = cell.State;
+  for (std::size_t k = 0; k < this->M.Fields.size(); ++k)
+  {
+    if (SideOf(state, k) != Side::Unknown)
+    {
+      continue;
+    }
+    bool in = true;
+    bool out = true;
+    for (int c = 0; c <= this->Simplices->Dimension(); ++c)
+    {
+      const double value = this->Values[k][Corner(cell, c)];
+      in = in && value <= 0.0;
+      out = out && value > 0.0;
+    }
+    Set(state, k, in ? Side::Inside : out ? Side::Outside : Side::Unknown, Verdict::Open);
+  }
+  return this->IsDropped(state);
+}
+
+bool ClipWorker::AddElements(
+  const std::array<int, 3>& first, const std::array<int, 3>& last, unsigned state)
+{
+  if (this->M.Options.Abort())
+  {
+    return false;
+  }
+  ParameterBox box{};
+  std::size_t longest = 0;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    box.Low[d] = this->Lines[d][static_cast<std::size_t>(first[d])];
+    box.High[d] = this->Lines[d][static_cast<std::size_t>(last[d])];
+    longest = last[d] - first[d] > last[longest] - first[longest] ? d : longest;
+  }
+  for (std::size_t k = 0; k < this->M.Fields.size(); ++k)
+  {
+    const ScalarField& field = *this->M.Fields[k];
+    if (SideOf(state, k) == Side::Unknown && field.HasBounds() && field.Excludes(box))
+    {
+      double value = 0.0;
+      field.Evaluate(1, box.Low.data(), &value);
+      Set(state, k,
+        value > 0.0     ? Side::Outside
+          : value < 0.0 ? Side::Inside
+                        : Side::Unknown,
+        Verdict::Open);
+    }
+  }
+  if (this->IsDropped(state))
+  {
+    return true;
+  }
+  if (last[longest] - first[longest] > 1 && !this->IsDecided(state))
+  {
+    std::array<int, 3> middle = last;
+    middle[longest] = (first[longest] + last[longest]) / 2;
+    std::array<int, 3> next = first;
+    next[longest] = middle[longest];
+    return this->AddElements(first, middle, state) && this->AddElements(next, last, state);
+  }
+  const std::array<int, 2> size{ this->B->Axes()[0].Cells(), this->B->Axes()[1].Cells() };
+  for (int k = first[2]; k < last[2]; ++k)
+  {
+    for (int j = first[1]; j < last[1]; ++j)
+    {
+      for (int i = first[0]; i < last[0]; ++i)
+      {
+        this->Roots.push_back(i + size[0] * (j + size[1] * k));
+        this->RootStates.push_back(state);
+      }
+    }
+  }
+  return true;
+}
+
+bool ClipWorker::Begin()
+{
+  const auto& axes = this->B->Axes();
+  if (!this->AddElements({ 0, 0, 0 }, { axes[0].Cells(), axes[1].Cells(), axes[2].Cells() }, 0))
+  {
+    return false;
+  }
+  this->B->Find(this->Roots, this->Tolerances, this->M.Options.For);
+  const auto degrees = this->M.On->Body.Geometry().Degrees();
+  this->Simplices.emplace(this->Lines,
+    std::array<bool, 3>{ degrees[0] > 0, degrees[1] > 0, degrees[2] > 0 }, this->Roots);
+  return this->Evaluate();
+}
+
+bool ClipWorker::Evaluate()
 {
   const std::size_t first = this->Points.size();
-  const auto count = static_cast<std::size_t>(this->Mesh->NumberOfNodes());
+  const auto count = static_cast<std::size_t>(this->Simplices->NumberOfNodes());
   this->Points.resize(count, Eigen::Vector3d::Zero());
+  this->IsMarked.resize(count, 0);
+  this->IsWanted.resize(count, 0);
+  this->IsShared.resize(count, 0);
+  // Behind those of nodes on interfaces.
+  for (std::size_t node = first; node < count; ++node)
+  {
+    this->Numbers.push_back((std::int64_t{ 1 } << 40) + static_cast<std::int64_t>(node));
+  }
   for (auto& values : this->Values)
   {
-    values.resize(count);
+    values.resize(count, NotKnown);
   }
-  const auto& geometry = *this->Body->Geometry();
+  const auto& geometry = *this->M.Body->Geometry();
   const auto m = static_cast<std::size_t>(geometry.Spline().Components());
-  const auto& attributes = this->Body->Attributes();
-  for (std::size_t a = 0; a < attributes.size(); ++a)
+  const auto& attributes = this->M.Body->Attributes();
+  const auto& tolerances = this->M.Options.AttributeTolerances;
+  for (std::size_t a = 0; a < tolerances.size(); ++a)
   {
-    this->Attributes[a].resize(
-      count * static_cast<std::size_t>(attributes[a]->Spline().Components()));
+    this->Attributes[a].resize(tolerances[a] > 0.0
+        ? count * static_cast<std::size_t>(attributes[a]->Spline().Components())
+        : 0);
   }
-  this->Options.For(static_cast<std::ptrdiff_t>(count - first), Grain,
+  this->M.Options.For(static_cast<std::ptrdiff_t>(count - first), Grain,
     [&](std::ptrdiff_t begin, std::ptrdiff_t end)
     {
       const std::size_t b = first + static_cast<std::size_t>(begin);
       const auto n = static_cast<std::size_t>(end - begin);
-      const double* u = this->Mesh->Parameter(static_cast<int>(b)).data();
+      const double* u = this->Simplices->Parameter(static_cast<int>(b)).data();
       std::vector<double> x(m * n);
       geometry.Evaluator().Evaluate(n, u, x.data());
       for (std::size_t i = 0; i < n; ++i)
       {
         std::copy_n(&x[m * i], m, this->Points[b + i].data());
       }
-      for (std::size_t k = 0; k < this->Fields.size(); ++k)
-      {
-        this->Fields[k]->Evaluate(n, u, &this->Values[k][b]);
-      }
       for (std::size_t a = 0; a < attributes.size(); ++a)
       {
-        const auto components = static_cast<std::size_t>(attributes[a]->Spline().Components());
-        attributes[a]->Evaluator().Evaluate(n, u, &this->Attributes[a][components * b]);
+        if (!this->Attributes[a].empty())
+        {
+          const auto components = static_cast<std::size_t>(attributes[a]->Spline().Components());
+          attributes[a]->Evaluator().Evaluate(n, u, &this->Attributes[a][components * b]);
+        }
       }
     });
-  this->Lengths.resize(count);
-  const auto& cells = this->Mesh->Cells();
-  for (std::size_t i = 0; i < cells.size(); ++i)
+  return this->EvaluateValues();
+}
+
+void ClipWorker::WantValues(const Cell& cell)
+{
+  if (this->IsDecided(cell.State))
   {
-    for (int e = 0; e < SimplexRefinement::NumberOfEdges(this->Mesh->Dimension()) && this->IsNew[i];
-         ++e)
+    return;
+  }
+  const auto want = [this](int node)
+  {
+    const auto n = static_cast<std::size_t>(node);
+    this->IsWanted.resize(std::max(this->IsWanted.size(), n + 1), 0);
+    if (node >= 0 && !this->IsWanted[n])
     {
-      this->Lengths[Middle(cells[i], e)] =
-        (this->Points[End(cells[i], e, 0)] - this->Points[End(cells[i], e, 1)]).norm();
+      this->IsWanted[n] = 1;
+      this->Wanted.push_back(node);
     }
+  };
+  for (int c = 0; c <= this->Simplices->Dimension(); ++c)
+  {
+    want(cell.Corners[static_cast<std::size_t>(c)]);
+  }
+  for (int e = 0;
+       cell.Middles[0] >= 0 && e < SimplexRefinement::NumberOfEdges(this->Simplices->Dimension());
+       ++e)
+  {
+    want(cell.Middles[static_cast<std::size_t>(e)]);
   }
 }
 
-void ClipWorker::Decide(Cell& cell, std::size_t field, BoxSpline& f) const
+bool ClipWorker::EvaluateValues()
 {
-  const auto set = [&cell, field](Side side, Verdict verdict)
+  this->M.Options.For(static_cast<std::ptrdiff_t>(this->Wanted.size()), Grain,
+    [&](std::ptrdiff_t begin, std::ptrdiff_t end)
+    {
+      std::vector<Eigen::Vector3d> u;
+      for (std::ptrdiff_t i = begin; i < end; ++i)
+      {
+        u.push_back(this->Simplices->Parameter(this->Wanted[static_cast<std::size_t>(i)]));
+      }
+      std::vector<double> values(u.size());
+      for (std::size_t k = 0; k < this->M.Fields.size(); ++k)
+      {
+        this->M.Fields[k]->Evaluate(u.size(), u.front().data(), values.data());
+        for (std::size_t i = 0; i < u.size(); ++i)
+        {
+          const int node = this->Wanted[static_cast<std::size_t>(begin) + i];
+          this->Values[k][static_cast<std::size_t>(node)] = values[i];
+        }
+      }
+    });
+  this->Wanted.clear();
+  return !this->M.Options.Abort();
+}
+
+SimplexRefinement::Before ClipWorker::Order() const
+{
+  return [this](int a, int b)
   {
-    cell.State &= ~(15u << (4 * field));
-    cell.State |= (static_cast<unsigned>(side) | static_cast<unsigned>(verdict) << 2)
-      << (4 * field);
+    const auto i = static_cast<std::size_t>(a);
+    const auto j = static_cast<std::size_t>(b);
+    for (int d = 0; d < 3; ++d)
+    {
+      if (this->Points[i][d] != this->Points[j][d])
+      {
+        return this->Points[i][d] < this->Points[j][d];
+      }
+    }
+    return this->Numbers[i] < this->Numbers[j];
   };
-  const int dimension = this->Mesh->Dimension();
+}
+
+double ClipWorker::LengthAround(int middle) const
+{
+  const auto& ends = this->Simplices->Ends(middle);
+  return (this->Point(ends[0]) - this->Point(ends[1])).norm();
+}
+
+bool ClipWorker::Triangulate()
+{
+  if (!this->Simplices->Triangulate(
+        this->Roots, this->RootStates, this->Order(), this->M.Options.Abort))
+  {
+    return false;
+  }
+  this->IsNew.assign(this->Simplices->Cells().size(), 1);
+  return true;
+}
+
+void ClipWorker::SetPoint(int node, const Eigen::Vector3d& x, std::int64_t number)
+{
+  const auto n = static_cast<std::size_t>(node);
+  this->Points[n] = x;
+  this->Numbers[n] = number;
+  this->IsShared[n] = 1;
+}
+
+bool ClipWorker::MarkNode(int node)
+{
+  const auto n = static_cast<std::size_t>(node);
+  this->IsMarked.resize(std::max(this->IsMarked.size(), n + 1), 0);
+  if (this->IsMarked[n])
+  {
+    return false;
+  }
+  this->IsMarked[n] = 1;
+  this->MarkedNodes.push_back(node);
+  return true;
+}
+
+void ClipWorker::Decide(Cell& cell, std::size_t field, std::optional<Decision>& last) const
+{
+  const int dimension = this->Simplices->Dimension();
   const std::vector<double>& values = this->Values[field];
   double low = values[Corner(cell, 0)];
   double high = low;
@@ -129,7 +366,8 @@ void ClipWorker::Decide(Cell& cell, std::size_t field, BoxSpline& f) const
   for (int c = 0; c <= dimension; ++c)
   {
     extend(Corner(cell, c));
-    const Eigen::Vector3d& u = this->Mesh->Parameter(cell.Corners[static_cast<std::size_t>(c)]);
+    const Eigen::Vector3d& u =
+      this->Simplices->Parameter(cell.Corners[static_cast<std::size_t>(c)]);
     for (std::size_t d = 0; d < 3; ++d)
     {
       const double at = u[static_cast<Eigen::Index>(d)];
@@ -137,7 +375,7 @@ void ClipWorker::Decide(Cell& cell, std::size_t field, BoxSpline& f) const
       box.High[d] = c == 0 ? at : std::max(box.High[d], at);
     }
   }
-  const ScalarField& own = *this->Fields[field];
+  const ScalarField& own = *this->M.Fields[field];
   if (!own.HasBounds())
   {
     for (int e = 0; e < SimplexRefinement::NumberOfEdges(dimension); ++e)
@@ -145,102 +383,82 @@ void ClipWorker::Decide(Cell& cell, std::size_t field, BoxSpline& f) const
       extend(Middle(cell, e));
     }
     const bool isNarrow = this->Width(cell) <= this->DomainWidth / SampledDivisions;
-    set(isNarrow && (low > 0.0 || high < 0.0) ? (low > 0.0 ? Side::Outside : Side::Inside)
-                                              : Side::Unknown,
+    Set(cell.State, field,
+      isNarrow && (low > 0.0 || high < 0.0) ? (low > 0.0 ? Side::Outside : Side::Inside)
+                                            : Side::Unknown,
       Verdict::Open);
     return;
   }
-  const auto& knots = this->P.Body.Geometry().Knots();
   for (std::size_t d = 0; d < 3; ++d)
   {
-    if (knots[d].Degree() == 0)
+    if (this->M.On->Body.Geometry().Knots()[d].Degree() == 0)
     {
-      box.Low[d] = knots[d].First();
-      box.High[d] = knots[d].Last();
+      box.Low[d] = this->Lines[d].front();
+      box.High[d] = this->Lines[d].back();
     }
   }
-  constexpr std::array<Part, 3> Everywhere{ Part::Whole, Part::Whole, Part::Whole };
-  bool isZero = !own.Excludes(box);
   // What is one sheet in a box is one in its parts.
-  Verdict verdict = VerdictOf(cell, field);
-  if (isZero && verdict != Verdict::Sheet && own.Restrict(box, f))
+  const bool isSheet = VerdictOf(cell.State, field) == Verdict::Sheet;
+  if (!last)
   {
-    isZero = f.Values(Everywhere).Contains(0.0);
-    verdict = f.Vanishes(Everywhere) || f.IsLostInNoise() ? Verdict::Lost : Verdict::Open;
-    for (int d = 0; d < 3 && verdict == Verdict::Open; ++d)
+    last.emplace();
+  }
+  if (isSheet || last->Box.Low != box.Low || last->Box.High != box.High)
+  {
+    constexpr std::array<Part, 3> Everywhere{ Part::Whole, Part::Whole, Part::Whole };
+    BoxSpline& f = last->Scratch;
+    last->Box = isSheet ? ParameterBox{} : box;
+    last->IsZero = !own.Excludes(box);
+    last->Found = isSheet ? Verdict::Sheet : Verdict::Open;
+    if (last->IsZero && !isSheet && own.Restrict(box, f))
     {
-      verdict = f.Derivative(d, Everywhere).Contains(0.0) ? verdict : Verdict::Sheet;
+      last->IsZero = f.Values(Everywhere).Contains(0.0);
+      last->Found = f.Vanishes(Everywhere) || f.IsLostInNoise() ? Verdict::Lost : Verdict::Open;
+      for (int d = 0; d < 3 && last->Found == Verdict::Open; ++d)
+      {
+        last->Found = f.Derivative(d, Everywhere).Contains(0.0) ? last->Found : Verdict::Sheet;
+      }
     }
   }
-  set(isZero ? Side::Unknown : high > 0.0 ? Side::Outside : Side::Inside, verdict);
+  Set(cell.State, field,
+    last->IsZero   ? Side::Unknown
+      : high > 0.0 ? Side::Outside
+                   : Side::Inside,
+    last->Found);
 }
 
-void ClipWorker::Decide()
+bool ClipWorker::DropCells()
 {
-  auto& cells = this->Mesh->Cells();
-  this->Options.For(static_cast<std::ptrdiff_t>(cells.size()), Grain,
-    [&](std::ptrdiff_t begin, std::ptrdiff_t end)
-    {
-      BoxSpline f;
-      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      {
-        for (std::size_t k = 0; k < this->Fields.size() && this->IsNew[i]; ++k)
-        {
-          if (SideOf(cells[i], k) == Side::Unknown)
-          {
-            this->Decide(cells[i], k, f);
-          }
-        }
-      }
-    });
-  // What is certainly on the other side takes no part any more.
+  auto& cells = this->Simplices->Cells();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < cells.size(); ++i)
   {
-    for (std::size_t k = 0; k < this->Fields.size() && this->IsNew[i]; ++k)
+    if (i % Step == 0 && this->M.Options.Abort())
+    {
+      return false;
+    }
+    for (std::size_t k = 0; k < this->M.Fields.size() && this->IsNew[i]; ++k)
     {
       this->Sampled +=
-        !this->Fields[k]->HasBounds() && SideOf(cells[i], k) != Side::Unknown ? 1 : 0;
+        !this->M.Fields[k]->HasBounds() && SideOf(cells[i].State, k) != Side::Unknown ? 1 : 0;
     }
-    if (!this->IsDropped(cells[i], false))
+    if (!this->IsDropped(cells[i].State))
     {
       cells[kept] = cells[i];
-      this->IsNew[kept++] = this->IsNew[i];
+      this->IsNew[kept] = this->IsNew[i];
+      this->Plans[kept++] = this->Plans[i];
     }
   }
   cells.resize(kept);
   this->IsNew.resize(kept);
-}
-
-bool ClipWorker::IsDropped(const Cell& cell, bool byCorners) const
-{
-  bool isInside = true;
-  bool isOutside = false;
-  for (std::size_t k = 0; k < this->Fields.size(); ++k)
-  {
-    const Side side = SideOf(cell, k);
-    bool in = side == Side::Inside;
-    bool out = side == Side::Outside;
-    if (side == Side::Unknown && byCorners)
-    {
-      in = out = true;
-      for (int c = 0; c <= this->Mesh->Dimension(); ++c)
-      {
-        const double value = this->Values[k][Corner(cell, c)];
-        in = in && value <= 0.0;
-        out = out && value > 0.0;
-      }
-    }
-    isInside = isInside && in;
-    isOutside = isOutside || out;
-  }
-  return this->Options.KeepInside ? isOutside : isInside;
+  this->Plans.resize(kept);
+  return true;
 }
 
 double ClipWorker::Width(const Cell& cell) const
 {
   Eigen::AlignedBox3d bounds;
-  for (int c = 0; c <= this->Mesh->Dimension(); ++c)
+  for (int c = 0; c <= this->Simplices->Dimension(); ++c)
   {
     bounds.extend(this->Points[Corner(cell, c)]);
   }
@@ -249,48 +467,136 @@ double ClipWorker::Width(const Cell& cell) const
 
 unsigned char ClipWorker::LongestEdge(const Cell& cell) const
 {
-  int longest = 0;
-  for (int e = 1; e < SimplexRefinement::NumberOfEdges(this->Mesh->Dimension()); ++e)
+  // Of equal ones the same in all cells that have both.
+  const auto keyOf = [&cell](int e)
   {
-    const double length = this->Lengths[Middle(cell, e)];
-    const double best = this->Lengths[Middle(cell, longest)];
-    longest =
-      length > best || (length == best && Middle(cell, e) < Middle(cell, longest)) ? e : longest;
+    return std::pair(
+      std::min(End(cell, e, 0), End(cell, e, 1)), std::max(End(cell, e, 0), End(cell, e, 1)));
+  };
+  int longest = 0;
+  double best = -1.0;
+  for (int e = 0; e < SimplexRefinement::NumberOfEdges(this->Simplices->Dimension()); ++e)
+  {
+    const double length =
+      (this->Points[End(cell, e, 0)] - this->Points[End(cell, e, 1)]).squaredNorm();
+    if (length > best || (length == best && keyOf(e) < keyOf(longest)))
+    {
+      longest = e;
+      best = length;
+    }
   }
   return static_cast<unsigned char>(1 << longest);
+}
+
+bool ClipWorker::IsTurnedOver(const Cell& cell) const
+{
+  return this->Simplices->Dimension() == 3 &&
+    this->M.Options.Handedness *
+      SixVolumes([&](int c) -> const Eigen::Vector3d& { return this->Points[Corner(cell, c)]; }) <=
+    0.0 &&
+    this->IsRegular(cell);
+}
+
+bool ClipWorker::IsRegular(const Cell& cell) const
+{
+  if (this->Width(cell) <= this->M.Options.Tolerance)
+  {
+    return false;
+  }
+  Eigen::Matrix<double, 3, 5> u;
+  u.col(4).setZero();
+  for (int c = 0; c < 4; ++c)
+  {
+    u.col(c) = this->Simplices->Parameter(cell.Corners[static_cast<std::size_t>(c)]);
+    u.col(4) += 0.25 * u.col(c);
+  }
+  Eigen::Matrix<double, 3, 5> x;
+  Eigen::Matrix<double, 3, 15> derivatives;
+  this->M.Body->Geometry()->Evaluator().EvaluateWithDerivatives(
+    5, u.data(), x.data(), derivatives.data());
+  double least = INFINITY;
+  double greatest = -INFINITY;
+  for (int i = 0; i < 5; ++i)
+  {
+    const double jacobian =
+      this->M.Options.Handedness * derivatives.middleCols<3>(3 * i).determinant();
+    least = std::min(least, jacobian);
+    greatest = std::max(greatest, jacobian);
+  }
+  constexpr double Degenerate = 0.05;
+  return least > Degenerate * greatest;
+}
+
+namespace
+{
+
+/// The edges that are wrong by themselves, or the worst.
+unsigned char WorstEdges(const std::array<double, 6>& errors, int count, double target)
+{
+  const double worst = *std::max_element(errors.begin(), errors.begin() + count);
+  unsigned char bits = 0;
+  for (int e = 0; e < count; ++e)
+  {
+    const double own = errors[static_cast<std::size_t>(e)];
+    bits |= static_cast<unsigned char>(own >= std::min(target, worst) ? 1 << e : 0);
+  }
+  return bits;
+}
+
+} // namespace
+
+unsigned char ClipWorker::Plan(const Cell& cell) const
+{
+  if (this->IsDropped(cell.State))
+  {
+    return 0;
+  }
+  bool isMeasured = false;
+  const double width = this->IsDecided(cell.State) ? 0.0 : this->Width(cell);
+  for (std::size_t k = 0; k < this->M.Fields.size() && width > this->M.Options.Tolerance; ++k)
+  {
+    if (SideOf(cell.State, k) != Side::Unknown)
+    {
+      continue;
+    }
+    const bool isUncertain = this->M.Fields[k]->HasBounds()
+      ? VerdictOf(cell.State, k) == Verdict::Open
+      : width > this->DomainWidth / SampledDivisions;
+    if (isUncertain)
+    {
+      return this->LongestEdge(cell);
+    }
+    isMeasured = true;
+  }
+  if (!this->IsDroppedByCorners(cell))
+  {
+    if (this->IsTurnedOver(cell))
+    {
+      return this->LongestEdge(cell);
+    }
+    const Bound bound = this->BoundError(cell);
+    if (bound.IsCoarse)
+    {
+      return WorstEdges(
+        bound.Edges, SimplexRefinement::NumberOfEdges(this->Simplices->Dimension()), 1.0);
+    }
+    isMeasured = isMeasured || !bound.IsCertain;
+  }
+  return isMeasured ? Measure : 0;
 }
 
 unsigned char ClipWorker::EdgesToHalve(const Cell& cell) const
 {
   unsigned char bits = 0;
-  const int edges = SimplexRefinement::NumberOfEdges(this->Mesh->Dimension());
-  // Those that are wrong by themselves, or the worst.
+  const int edges = SimplexRefinement::NumberOfEdges(this->Simplices->Dimension());
   const auto add = [&bits, edges](const Error& error)
+  { bits |= error.Largest > Target ? WorstEdges(error.Edges, edges, Target) : 0; };
+  const bool isWide = this->Width(cell) > this->M.Options.Tolerance;
+  for (std::size_t k = 0; k < this->M.Fields.size() && isWide; ++k)
   {
-    if (error.Largest <= Target)
-    {
-      return;
-    }
-    const double worst = *std::max_element(error.Edges.begin(), error.Edges.begin() + edges);
-    for (int e = 0; e < edges; ++e)
-    {
-      const double own = error.Edges[static_cast<std::size_t>(e)];
-      bits |= static_cast<unsigned char>(own >= std::min(Target, worst) ? 1 << e : 0);
-    }
-  };
-  const bool isWide = this->Width(cell) > this->Options.Tolerance;
-  for (std::size_t k = 0; k < this->Fields.size() && isWide; ++k)
-  {
-    if (SideOf(cell, k) != Side::Unknown)
+    if (SideOf(cell.State, k) != Side::Unknown)
     {
       continue;
-    }
-    const bool isUncertain = this->Fields[k]->HasBounds()
-      ? VerdictOf(cell, k) == Verdict::Open
-      : this->Width(cell) > this->DomainWidth / SampledDivisions;
-    if (isUncertain)
-    {
-      return this->LongestEdge(cell);
     }
     Error error = this->CutError(cell, k);
     // All edges of a cell that is far from its tolerance; near it, the worst.
@@ -301,7 +607,7 @@ unsigned char ClipWorker::EdgesToHalve(const Cell& cell) const
     }
     add(error);
   }
-  if (!this->IsDropped(cell, true))
+  if (!this->IsDroppedByCorners(cell) && !this->BoundError(cell).IsCertain)
   {
     add(this->PositionError(cell));
     add(this->AttributeError(cell));
@@ -309,262 +615,122 @@ unsigned char ClipWorker::EdgesToHalve(const Cell& cell) const
   return bits;
 }
 
-void ClipWorker::Halve(const std::vector<unsigned char>& edges)
+void ClipWorker::MarkEdges(const Cell& cell, unsigned char edges)
 {
-  const auto& cells = this->Mesh->Cells();
-  std::vector<char> isHalved(static_cast<std::size_t>(this->Mesh->NumberOfNodes()), 0);
-  for (std::size_t i = 0; i < cells.size(); ++i)
+  for (int e = 0; e < 6; ++e)
   {
-    for (int e = 0; e < 6; ++e)
+    if (edges >> e & 1)
     {
-      if (edges[i] >> e & 1)
-      {
-        isHalved[Middle(cells[i], e)] = 1;
-      }
+      this->MarkNode(this->Simplices->Middle(
+        static_cast<int>(End(cell, e, 0)), static_cast<int>(End(cell, e, 1))));
     }
   }
-  this->Mesh->Refine(isHalved, this->Lengths, this->IsNew);
 }
 
-bool ClipWorker::Refine()
+bool ClipWorker::ForCells(const std::function<void(std::size_t, std::size_t)>& body)
 {
-  const auto& cells = this->Mesh->Cells();
-  std::vector<unsigned char> edges;
-  while (!this->Options.Abort())
-  {
-    this->EvaluateNodes();
-    this->Decide();
-    edges.assign(cells.size(), 0);
-    this->Options.For(static_cast<std::ptrdiff_t>(cells.size()), Grain,
-      [&](std::ptrdiff_t begin, std::ptrdiff_t end)
-      {
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-        {
-          edges[i] = this->IsNew[i] ? this->EdgesToHalve(cells[i]) : 0;
-        }
-      });
-    const bool isDone =
-      std::all_of(edges.begin(), edges.end(), [](unsigned char bits) { return bits == 0; });
-    this->WasCapped =
-      !isDone && static_cast<double>(cells.size()) >= 0.25 * this->Options.MaximumCells;
-    if (isDone || this->WasCapped)
-    {
-      return true;
-    }
-    this->Halve(edges);
-  }
-  return false;
+  this->M.Options.For(static_cast<std::ptrdiff_t>(this->Simplices->Cells().size()), Grain,
+    [&body](std::ptrdiff_t begin, std::ptrdiff_t end)
+    { body(static_cast<std::size_t>(begin), static_cast<std::size_t>(end)); });
+  return !this->M.Options.Abort();
 }
 
-bool ClipWorker::Cut()
+bool ClipWorker::Mark()
 {
-  const int dimension = this->Mesh->Dimension();
-  this->Pieces.emplace(this->Body, this->Fields, dimension);
-  std::vector<SimplexCut::Index> pointOf(static_cast<std::size_t>(this->Mesh->NumberOfNodes()), -1);
-  const auto& cells = this->Mesh->Cells();
-  for (std::size_t i = 0; i < cells.size(); ++i)
+  auto& cells = this->Simplices->Cells();
+  const auto forNew = [&](const auto& visit)
   {
-    SimplexCut::Cell piece{ {}, static_cast<std::int64_t>(i), 0 };
-    for (int c = 0; c <= dimension; ++c)
+    for (std::size_t i = 0; i < cells.size(); ++i)
     {
-      const std::size_t node = Corner(cells[i], c);
-      SimplexCut::Index& point = pointOf[node];
-      if (point < 0)
+      if (i % Step == 0 && this->M.Options.Abort())
       {
-        const Eigen::Vector3d& u = this->Mesh->Parameter(static_cast<int>(node));
-        unsigned fixed = 0;
-        for (int d = 0; d < 3; ++d)
-        {
-          const std::vector<double>& creases = this->Creases[static_cast<std::size_t>(d)];
-          fixed |= std::binary_search(creases.begin(), creases.end(), u[d]) ? 1u << d : 0;
-        }
-        point = this->Pieces->AddPoint(u, this->Points[node], 0, fixed);
+        return false;
       }
-      piece.Corners[static_cast<std::size_t>(c)] = point;
+      if (this->IsNew[i])
+      {
+        visit(i);
+      }
     }
-    if (dimension == 3 && this->Options.Handedness < 0)
-    {
-      std::swap(piece.Corners[0], piece.Corners[1]);
-    }
-    this->Pieces->AddCell(piece);
-  }
-  for (std::size_t k = 0; k < this->Fields.size(); ++k)
+    return true;
+  };
+  if (!forNew(
+        [&](std::size_t i)
+        {
+          if (this->HasSampledFields && !this->IsDecided(cells[i].State))
+          {
+            this->Simplices->FindMiddles(cells[i]);
+          }
+          this->WantValues(cells[i]);
+        }) ||
+    !this->Evaluate())
   {
-    if (!this->Pieces->Cut(
-          static_cast<int>(k), !this->Options.KeepInside, this->Options.For, this->Options.Abort))
-    {
-      return false;
-    }
+    return false;
   }
+  this->Plans.assign(cells.size(), 0);
+  const bool isPlanned = this->ForCells(
+    [&](std::size_t begin, std::size_t end)
+    {
+      std::vector<std::optional<Decision>> last(this->M.Fields.size());
+      for (std::size_t i = begin; i < end; ++i)
+      {
+        for (std::size_t k = 0; k < this->M.Fields.size() && this->IsNew[i]; ++k)
+        {
+          if (SideOf(cells[i].State, k) == Side::Unknown)
+          {
+            this->Decide(cells[i], k, last[k]);
+          }
+        }
+        this->Plans[i] = this->IsNew[i] ? this->Plan(cells[i]) : 0;
+      }
+    });
+  // What is certainly on the other side takes no part any more.
+  if (!isPlanned || !this->DropCells() ||
+    !forNew(
+      [&](std::size_t i)
+      {
+        if (this->Plans[i] == Measure)
+        {
+          this->Simplices->FindMiddles(cells[i]);
+          this->WantValues(cells[i]);
+        }
+      }) ||
+    !this->Evaluate())
+  {
+    return false;
+  }
+  const bool isMeasured = this->ForCells(
+    [&](std::size_t begin, std::size_t end)
+    {
+      for (std::size_t i = begin; i < end; ++i)
+      {
+        this->Plans[i] = this->Plans[i] == Measure ? this->EdgesToHalve(cells[i]) : this->Plans[i];
+      }
+    });
+  const bool isMarked =
+    isMeasured && forNew([&](std::size_t i) { this->MarkEdges(cells[i], this->Plans[i]); });
+  this->IsCapped = !this->MarkedNodes.empty() &&
+    static_cast<double>(cells.size()) >= 0.25 * this->M.Options.MaximumCells;
+  return isMarked;
+}
+
+bool ClipWorker::Halve()
+{
+  const auto isBefore = [this, order = this->Order()](int a, int b)
+  {
+    const double la = this->LengthAround(a);
+    const double lb = this->LengthAround(b);
+    return la != lb ? la > lb : order(a, b);
+  };
+  if (!this->Simplices->Refine(this->IsMarked, isBefore, this->IsNew, this->M.Options.Abort))
+  {
+    return false;
+  }
+  for (const int node : this->MarkedNodes)
+  {
+    this->IsMarked[static_cast<std::size_t>(node)] = 0;
+  }
+  this->MarkedNodes.clear();
   return true;
 }
 
-bool ClipWorker::HalveBadCuts()
-{
-  const auto volume = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                        const Eigen::Vector3d& c, const Eigen::Vector3d& d)
-  { return (b - a).cross(c - a).dot(d - a); };
-  const auto& x = this->Pieces->Points();
-  const auto& cells = this->Mesh->Cells();
-  std::vector<char> isBad(cells.size(), 0);
-  for (const Facet& facet : this->CutFacets())
-  {
-    isBad[facet.Cell] = isBad[facet.Cell] || facet.Error > this->Options.Tolerance;
-  }
-  for (const SimplexCut::Cell& piece : this->Pieces->Cells())
-  {
-    const auto i = static_cast<std::size_t>(piece.Origin);
-    const auto at = [&](std::size_t c) -> const Eigen::Vector3d&
-    { return x[static_cast<std::size_t>(piece.Corners[c])]; };
-    const auto corner = [&](int c) -> const Eigen::Vector3d&
-    { return this->Points[Corner(cells[i], c)]; };
-    isBad[i] = isBad[i] ||
-      (this->Mesh->Dimension() == 3 && volume(at(0), at(1), at(2), at(3)) <= 0.0 &&
-        this->Options.Handedness * volume(corner(0), corner(1), corner(2), corner(3)) > 0.0);
-  }
-  std::vector<unsigned char> edges(cells.size(), 0);
-  bool any = false;
-  for (std::size_t i = 0; i < cells.size(); ++i)
-  {
-    if (isBad[i] && this->Width(cells[i]) > this->Options.Tolerance)
-    {
-      edges[i] = this->LongestEdge(cells[i]);
-      any = true;
-    }
-  }
-  if (any)
-  {
-    this->Halve(edges);
-  }
-  return any;
-}
-
-bool ClipWorker::Run()
-{
-  constexpr int MostRounds = 12;
-  for (int round = 0;; ++round)
-  {
-    if (!this->Refine() || !this->Cut())
-    {
-      return false;
-    }
-    if (round == MostRounds || this->WasCapped || !this->HalveBadCuts())
-    {
-      return true;
-    }
-  }
-}
-
-ClipMesh ClipWorker::Assemble()
-{
-  const int dimension = this->Mesh->Dimension();
-  const auto n = static_cast<std::size_t>(dimension) + 1;
-  const auto& points = this->Pieces->Points();
-  const auto& parameters = this->Pieces->Parameters();
-  ClipMesh mesh;
-  ZeroSetCertificate& certificate = mesh.Certificate;
-  for (const Cell& cell : this->Mesh->Cells())
-  {
-    bool isUndecided = false;
-    bool isCertified = false;
-    for (std::size_t k = 0; k < this->Fields.size(); ++k)
-    {
-      if (SideOf(cell, k) == Side::Unknown)
-      {
-        (VerdictOf(cell, k) == Verdict::Sheet ? isCertified : isUndecided) = true;
-      }
-    }
-    certificate.UndecidedCells += isUndecided ? 1 : 0;
-    certificate.CertifiedCells += isCertified && !isUndecided ? 1 : 0;
-    if (!this->IsDropped(cell, true))
-    {
-      certificate.LargestError = std::max(
-        certificate.LargestError, this->PositionError(cell).Largest * this->Options.Tolerance);
-      certificate.LargestAttributeError =
-        std::max(certificate.LargestAttributeError, this->AttributeError(cell).Largest);
-    }
-  }
-
-  certificate.UndecidedCells += this->Sampled;
-
-  // Cells that vanish in space, where an edge of the patch is collapsed, are left out.
-  std::vector<SimplexCut::Cell> cells;
-  for (const SimplexCut::Cell& cell : this->Pieces->Cells())
-  {
-    bool vanishes = !this->Options.KeepInside && cell.Outside == 0;
-    for (std::size_t i = 0; i < n; ++i)
-    {
-      for (std::size_t j = i + 1; j < n && !vanishes; ++j)
-      {
-        vanishes = (points[static_cast<std::size_t>(cell.Corners[i])] -
-                     points[static_cast<std::size_t>(cell.Corners[j])])
-                     .norm() <= 1e-14 * this->DomainWidth;
-      }
-    }
-    if (!vanishes)
-    {
-      cells.push_back(cell);
-    }
-  }
-  std::vector<std::int64_t> numberOf(points.size(), -1);
-  std::vector<std::size_t> used;
-  mesh.Cells.resize(dimension + 1, static_cast<Eigen::Index>(cells.size()));
-  mesh.Elements.resize(3, mesh.Cells.cols());
-  const std::array<std::size_t, 3> layers{ this->Grid.Spans[0].size(), this->Grid.Spans[1].size(),
-    this->Grid.Spans[2].size() };
-  for (std::size_t c = 0; c < cells.size(); ++c)
-  {
-    const auto at = static_cast<Eigen::Index>(c);
-    for (std::size_t i = 0; i < n; ++i)
-    {
-      const auto point = static_cast<std::size_t>(cells[c].Corners[i]);
-      if (numberOf[point] < 0)
-      {
-        numberOf[point] = static_cast<std::int64_t>(used.size());
-        used.push_back(point);
-      }
-      mesh.Cells(static_cast<Eigen::Index>(i), at) = numberOf[point];
-    }
-    const auto root =
-      static_cast<std::size_t>(this->Mesh->Cells()[static_cast<std::size_t>(cells[c].Origin)].Root);
-    mesh.Elements.col(at) << this->Grid.Spans[0][root % layers[0]],
-      this->Grid.Spans[1][root / layers[0] % layers[1]],
-      this->Grid.Spans[2][root / (layers[0] * layers[1])];
-  }
-
-  const auto count = static_cast<Eigen::Index>(used.size());
-  mesh.Parameters.resize(3, count);
-  mesh.Points.resize(3, count);
-  for (Eigen::Index i = 0; i < count; ++i)
-  {
-    mesh.Parameters.col(i) = parameters[used[static_cast<std::size_t>(i)]];
-    mesh.Points.col(i) = points[used[static_cast<std::size_t>(i)]];
-  }
-  for (const auto& attribute : this->Body->Attributes())
-  {
-    Eigen::MatrixXd& values = mesh.Attributes.emplace_back(attribute->Spline().Components(), count);
-    this->Options.For(count, Grain,
-      [&](std::ptrdiff_t begin, std::ptrdiff_t end)
-      {
-        attribute->Evaluator().Evaluate(static_cast<std::size_t>(end - begin),
-          mesh.Parameters.col(begin).data(), values.col(begin).data());
-      });
-  }
-  for (const Facet& facet : this->CutFacets())
-  {
-    certificate.LargestError = std::max(certificate.LargestError, facet.Error);
-  }
-  certificate.LargestResidual = this->Pieces->LargestResidual();
-  certificate.ToleranceReached = !this->WasCapped && !this->Grid.LimitReached &&
-    certificate.LargestError <= this->Options.Tolerance && certificate.LargestAttributeError <= 1.0;
-  return mesh;
-}
-
-ClipMesh Clip(const Patch& patch, std::shared_ptr<const PreparedAggregate> body,
-  const std::vector<std::shared_ptr<const ScalarField>>& fields, const ClipOptions& options)
-{
-  ClipWorker worker(patch, std::move(body), fields, options);
-  return worker.Run() ? worker.Assemble() : ClipMesh{};
-}
-
-}
+} // namespace hyperpatch

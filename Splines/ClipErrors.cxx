@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How wrong linear interpolation in the simplices of a clip is.
 #include "ClipWorker.h"
-#include "NumberingWorker.h"
 
 #include <Eigen/Dense>
 
@@ -14,9 +13,10 @@ namespace hyperpatch
 namespace
 {
 
-/// The largest error of linear interpolation of something quadratic in a simplex, from those at the
-/// middles of its edges (in the order of SimplexRefinement::Edges): there, or in the middle of a
-/// face, or in that of the simplex.
+/// The largest error of linear interpolation of something quadratic in a
+/// simplex, from those at the middles of its edges (in the order of
+/// SimplexRefinement::Edges): there, or in the middle of a face, or in that of
+/// the simplex.
 template <typename Vector, typename Norm>
 double LargestError(const Vector* edges, int dimension, const Norm& norm)
 {
@@ -43,7 +43,7 @@ double LargestError(const Vector* edges, int dimension, const Norm& norm)
   return largest;
 }
 
-}
+} // namespace
 
 void ClipWorker::Error::Add(double largest, const std::array<double, 6>& edges)
 {
@@ -54,9 +54,70 @@ void ClipWorker::Error::Add(double largest, const std::array<double, 6>& edges)
   }
 }
 
+ClipWorker::Bound ClipWorker::BoundError(const Cell& cell) const
+{
+  const auto& axes = this->B->Axes();
+  const std::array<int, 3> size{ axes[0].Cells(), axes[1].Cells(), axes[2].Cells() };
+  const std::array<int, 3> element{ cell.Root % size[0], cell.Root / size[0] % size[1],
+    cell.Root / (size[0] * size[1]) };
+  const int dimension = this->Simplices->Dimension();
+  const int edges = SimplexRefinement::NumberOfEdges(dimension);
+  // In the parameters of the element.
+  std::array<std::array<double, 3>, 4> corners{};
+  std::array<double, 3> widths{};
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const double scale = axes[d].Breaks[static_cast<std::size_t>(element[d]) + 1] -
+      axes[d].Breaks[static_cast<std::size_t>(element[d])];
+    double low = INFINITY;
+    double high = -INFINITY;
+    for (int c = 0; c <= dimension; ++c)
+    {
+      double& at = corners[static_cast<std::size_t>(c)][d];
+      at = this->Simplices->Parameter(
+             cell.Corners[static_cast<std::size_t>(c)])[static_cast<Eigen::Index>(d)] /
+        scale;
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+    widths[d] = high - low;
+  }
+  Bound all;
+  const BendBounds::Bend* bends = this->B->Of(cell.Root);
+  for (std::size_t k = 0; k < this->Tolerances.size(); ++k)
+  {
+    const BendBounds::Bend& bend = bends[k];
+    const double error = BendBounds::LinearError(bend, widths) / this->Tolerances[k];
+    double& largest = k == 0 ? all.Position : all.Attribute;
+    largest = std::max(largest, error);
+    if (error <= 1.0)
+    {
+      continue;
+    }
+    all.IsCertain = false;
+    // What an edge that runs along no direction adds is left to measurement.
+    const BendBounds::Bend pure{ bend[0], 0.0, 0.0, bend[3], 0.0, bend[5] };
+    if (BendBounds::LinearError(pure, widths) <= this->Tolerances[k])
+    {
+      continue;
+    }
+    all.IsCoarse = true;
+    for (int e = 0; e < edges; ++e)
+    {
+      const auto& a = corners[static_cast<std::size_t>(SimplexRefinement::Edges[e][0])];
+      const auto& b = corners[static_cast<std::size_t>(SimplexRefinement::Edges[e][1])];
+      double& own = all.Edges[static_cast<std::size_t>(e)];
+      own = std::max(own,
+        BendBounds::LinearError(pure, { a[0] - b[0], a[1] - b[1], a[2] - b[2] }) /
+          this->Tolerances[k]);
+    }
+  }
+  return all;
+}
+
 ClipWorker::Error ClipWorker::PositionError(const Cell& cell) const
 {
-  const int dimension = this->Mesh->Dimension();
+  const int dimension = this->Simplices->Dimension();
   std::array<Eigen::Vector3d, 6> errors;
   std::array<double, 6> norms{};
   for (int e = 0; e < SimplexRefinement::NumberOfEdges(dimension); ++e)
@@ -64,7 +125,7 @@ ClipWorker::Error ClipWorker::PositionError(const Cell& cell) const
     const auto at = static_cast<std::size_t>(e);
     errors[at] = (this->Points[Middle(cell, e)] -
                    0.5 * (this->Points[End(cell, e, 0)] + this->Points[End(cell, e, 1)])) /
-      this->Options.Tolerance;
+      this->M.Options.Tolerance;
     norms[at] = errors[at].norm();
   }
   return {
@@ -74,13 +135,13 @@ ClipWorker::Error ClipWorker::PositionError(const Cell& cell) const
 
 ClipWorker::Error ClipWorker::AttributeError(const Cell& cell) const
 {
-  const int dimension = this->Mesh->Dimension();
+  const int dimension = this->Simplices->Dimension();
   Error error;
-  for (std::size_t a = 0; a < this->Options.AttributeTolerances.size(); ++a)
+  for (std::size_t a = 0; a < this->M.Options.AttributeTolerances.size(); ++a)
   {
-    const double tolerance = this->Options.AttributeTolerances[a];
+    const double tolerance = this->M.Options.AttributeTolerances[a];
     const auto components =
-      static_cast<std::size_t>(this->Body->Attributes()[a]->Spline().Components());
+      static_cast<std::size_t>(this->M.Body->Attributes()[a]->Spline().Components());
     const std::vector<double>& values = this->Attributes[a];
     for (std::size_t c = 0; c < components && tolerance > 0.0; ++c)
     {
@@ -104,11 +165,12 @@ ClipWorker::Error ClipWorker::AttributeError(const Cell& cell) const
 
 ClipWorker::Error ClipWorker::CutError(const Cell& cell, std::size_t field) const
 {
-  // At a point of the interpolant's zero set, f is the error e of interpolating f, but for what
-  // the point in space is off by: its distance from f = 0 is |s| / |g| to first order, with s = e -
-  // g . (error of the position) and the gradient g of the interpolant in space. s is 0 at corners
-  // and taken for quadratic.
-  const int dimension = this->Mesh->Dimension();
+  // At a point of the interpolant's zero set, f is the error e of interpolating
+  // f, but for what the point in space is off by: its distance from f = 0 is
+  // |s| / |g| to first order, with s = e - g . (error of the position) and the
+  // gradient g of the interpolant in space. s is 0 at corners and taken for
+  // quadratic.
+  const int dimension = this->Simplices->Dimension();
   const int edges = SimplexRefinement::NumberOfEdges(dimension);
   const std::vector<double>& values = this->Values[field];
   Eigen::MatrixXd sides(dimension, 3);
@@ -119,7 +181,7 @@ ClipWorker::Error ClipWorker::CutError(const Cell& cell, std::size_t field) cons
     differences[c - 1] = values[Corner(cell, c)] - values[Corner(cell, 0)];
   }
   const Eigen::VectorXd gradient = sides.completeOrthogonalDecomposition().solve(differences);
-  const double scale = 1.0 / (gradient.norm() * this->Options.Tolerance);
+  const double scale = 1.0 / (gradient.norm() * this->M.Options.Tolerance);
   std::array<double, 6> s{};
   std::array<double, 6> magnitudes{};
   double error = 0.0;
@@ -177,108 +239,4 @@ ClipWorker::Error ClipWorker::CutError(const Cell& cell, std::size_t field) cons
   return { std::isnan(error) ? 0.0 : error, magnitudes };
 }
 
-std::vector<ClipWorker::Facet> ClipWorker::CutFacets() const
-{
-  // The facets of one cell alone that lie on a zero set, but for those in a side of the patch.
-  const int dimension = this->Mesh->Dimension();
-  const int m = this->Body->Geometry()->Spline().Components();
-  struct Corners
-  {
-    std::array<int, 3> Points; ///< -1 where there are fewer
-    std::size_t Field;
-    int Cells;
-  };
-  std::vector<Corners> corners;
-  std::vector<Facet> facets;
-  Numbering numbers;
-  for (const SimplexCut::Cell& cell : this->Pieces->Cells())
-  {
-    if (!this->Options.KeepInside && cell.Outside == 0)
-    {
-      continue;
-    }
-    for (int left = 0; left <= dimension && dimension > 1; ++left)
-    {
-      unsigned on = ~0u;
-      std::array<int, 3> points{ -1, -1, -1 };
-      std::size_t used = 0;
-      for (int c = 0; c <= dimension; ++c)
-      {
-        const SimplexCut::Index point = cell.Corners[static_cast<std::size_t>(c)];
-        if (c != left)
-        {
-          on &= this->Pieces->On()[static_cast<std::size_t>(point)];
-          points[used++] = static_cast<int>(point);
-        }
-      }
-      if (on == 0)
-      {
-        continue;
-      }
-      std::sort(points.begin(), points.end());
-      const auto [number, isNew] = numbers.Number({ points[0], points[1], points[2], 0 });
-      if (isNew)
-      {
-        facets.push_back({ 0.0, static_cast<std::size_t>(cell.Origin) });
-        corners.push_back({ points, 0, 0 });
-        while (!(on >> corners.back().Field & 1))
-        {
-          ++corners.back().Field;
-        }
-      }
-      ++corners[static_cast<std::size_t>(number)].Cells;
-    }
-  }
-  this->Options.For(static_cast<std::ptrdiff_t>(facets.size()), Grain,
-    [&](std::ptrdiff_t begin, std::ptrdiff_t end)
-    {
-      Eigen::MatrixXd derivatives(m, 3);
-      Eigen::VectorXd exact(m);
-      for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
-      {
-        Eigen::Vector3d u = Eigen::Vector3d::Zero();
-        Eigen::Vector3d x = Eigen::Vector3d::Zero();
-        Eigen::AlignedBox3d box;
-        for (const int i : corners[f].Points)
-        {
-          if (i >= 0)
-          {
-            const auto point = static_cast<std::size_t>(i);
-            u += this->Pieces->Parameters()[point] / dimension;
-            x += this->Pieces->Points()[point] / dimension;
-            box.extend(this->Pieces->Parameters()[point]);
-          }
-        }
-        bool isInSide = false;
-        for (std::size_t d = 0; d < 3; ++d)
-        {
-          const auto at = static_cast<Eigen::Index>(d);
-          isInSide = isInSide ||
-            (this->P.Body.Geometry().Knots()[d].Degree() > 0 && box.min()[at] == box.max()[at] &&
-              (box.min()[at] == this->Grid.Lines[d].front() ||
-                box.min()[at] == this->Grid.Lines[d].back()));
-        }
-        if (corners[f].Cells > 1 || isInSide)
-        {
-          continue;
-        }
-        double value = 0.0;
-        Eigen::Vector3d gradient;
-        this->Fields[corners[f].Field]->EvaluateWithGradient(1, u.data(), &value, gradient.data());
-        this->Body->Geometry()->Evaluator().EvaluateWithDerivatives(
-          1, u.data(), exact.data(), derivatives.data());
-        const Eigen::VectorXd physical =
-          derivatives.transpose().completeOrthogonalDecomposition().solve(gradient);
-        double miss = value;
-        for (int c = 0; c < m; ++c)
-        {
-          miss -= physical[c] * (exact[c] - x[c]);
-        }
-        const double slope = physical.norm();
-        facets[f].Error = slope > 0.0 ? std::abs(miss) / slope : 0.0;
-      }
-    });
-  return facets;
-}
-
-}
+} // namespace hyperpatch

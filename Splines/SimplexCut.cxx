@@ -2,7 +2,6 @@
 #include "SimplexCut.h"
 
 #include "Error.h"
-#include "NumberingWorker.h"
 
 #include <Eigen/Dense>
 
@@ -20,13 +19,15 @@ namespace
 {
 
 constexpr std::ptrdiff_t Grain = 256;
+/// Cells between two questions whether to abort.
+constexpr std::size_t Step = 1 << 14;
 
 bool IsBefore(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
 {
   return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
 }
 
-}
+} // namespace
 
 SimplexCut::SimplexCut(std::shared_ptr<const PreparedAggregate> body,
   std::vector<std::shared_ptr<const ScalarField>> fields, int dimension)
@@ -61,61 +62,51 @@ SimplexCut::Index SimplexCut::AddPoint(
 bool SimplexCut::Cut(
   int field, bool keepOutside, const ParallelFor& parallel, const std::function<bool()>& abort)
 {
+  return this->FindValues(field, parallel, abort) && this->FindPoints(parallel, abort) &&
+    this->Split(keepOutside, abort);
+}
+
+bool SimplexCut::FindValues(
+  int field, const ParallelFor& parallel, const std::function<bool()>& abort)
+{
+  this->Field = field;
   const unsigned bit = 1u << field;
-  std::vector<double> values(this->U.size());
-  parallel(static_cast<std::ptrdiff_t>(values.size()), Grain,
+  this->Values.resize(this->U.size());
+  parallel(static_cast<std::ptrdiff_t>(this->U.size()), Grain,
     [&](std::ptrdiff_t begin, std::ptrdiff_t end)
     {
       const auto b = static_cast<std::size_t>(begin);
       const auto count = static_cast<std::size_t>(end - begin);
-      this->Fields[static_cast<std::size_t>(field)]->Evaluate(count, this->U[b].data(), &values[b]);
+      this->Fields[static_cast<std::size_t>(field)]->Evaluate(
+        count, this->U[b].data(), &this->Values[b]);
       for (std::size_t i = b; i < b + count; ++i)
       {
-        values[i] = this->OnField[i] & bit ? 0.0 : values[i];
+        this->Values[i] = this->OnField[i] & bit ? 0.0 : this->Values[i];
       }
     });
-  if (abort())
-  {
-    return false;
-  }
-  for (std::size_t i = 0; i < values.size(); ++i)
-  {
-    this->OnField[i] |= values[i] == 0.0 ? bit : 0;
-  }
+  return !abort();
+}
 
-  // Edges with a change of sign, those of all cells.
-  Numbering numbers;
+bool SimplexCut::FindPoints(const ParallelFor& parallel, const std::function<bool()>& abort)
+{
+  const unsigned bit = 1u << this->Field;
+  for (std::size_t i = 0; i < this->Values.size(); ++i)
+  {
+    this->OnField[i] |= this->Values[i] == 0.0 ? bit : 0;
+  }
+  this->FirstNew = static_cast<Index>(this->U.size());
+  this->CutEdges.Clear();
   std::vector<std::array<Index, 2>> edges;
-  const auto n = static_cast<std::size_t>(this->Dimension) + 1;
-  const auto sign = [&values](Index i)
+  for (std::size_t c = 0; c < this->C.size(); ++c)
   {
-    const double v = values[static_cast<std::size_t>(i)];
-    return v < 0.0 ? -1 : v > 0.0 ? 1 : 0;
-  };
-  const auto keyOf = [](Index a, Index b)
-  {
-    return Numbering::Key{ static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b)), 0,
-      0 };
-  };
-  const auto forCutEdges = [&](const Cell& cell, const auto& visit)
-  {
-    for (std::size_t i = 0; i < n; ++i)
+    if (c % Step == 0 && abort())
     {
-      for (std::size_t j = i + 1; j < n; ++j)
-      {
-        if (sign(cell.Corners[i]) * sign(cell.Corners[j]) < 0)
-        {
-          visit(cell.Corners[i], cell.Corners[j]);
-        }
-      }
+      return false;
     }
-  };
-  for (const Cell& cell : this->C)
-  {
-    forCutEdges(cell,
+    this->ForCutEdges(this->C[c],
       [&](Index a, Index b)
       {
-        if (numbers.Number(keyOf(a, b)).second)
+        if (this->CutEdges.Number(KeyOf(a, b)).second)
         {
           // Both ends in an order of their own: neighbors find the same root.
           edges.push_back({ a, b });
@@ -126,25 +117,29 @@ bool SimplexCut::Cut(
         }
       });
   }
-  const auto first = static_cast<Index>(this->U.size());
-  this->FindRoots(field, edges, values, parallel);
-  if (abort())
-  {
-    return false;
-  }
+  this->FindRoots(edges, parallel);
+  this->Values.resize(this->U.size(), 0.0);
+  return !abort();
+}
 
-  values.resize(this->U.size(), 0.0);
-  this->MovePoints(field, first, values);
-
+bool SimplexCut::Split(bool keepOutside, const std::function<bool()>& abort)
+{
+  const unsigned bit = 1u << this->Field;
+  this->MovePoints();
+  const auto n = static_cast<std::size_t>(this->Dimension) + 1;
   std::vector<Cell> kept;
   kept.reserve(this->C.size());
   std::vector<Index> order;
   std::vector<Cell> parts;
-  for (const Cell& cell : this->C)
+  for (std::size_t c = 0; c < this->C.size(); ++c)
   {
+    if (c % Step == 0 && abort())
+    {
+      return false;
+    }
+    const Cell& cell = this->C[c];
     order.clear();
-    forCutEdges(
-      cell, [&](Index a, Index b) { order.push_back(first + numbers.Find(keyOf(a, b))); });
+    this->ForCutEdges(cell, [&](Index a, Index b) { order.push_back(this->PointBetween(a, b)); });
     std::sort(order.begin(), order.end(),
       [this](Index a, Index b)
       {
@@ -156,11 +151,12 @@ bool SimplexCut::Cut(
     this->Bisect(cell, order, parts);
     for (Cell& part : parts)
     {
-      const bool isOutside = std::any_of(
-        part.Corners.begin(), part.Corners.begin() + n, [&sign](Index i) { return sign(i) > 0; });
-      const bool isFlat = std::all_of(part.Corners.begin(), part.Corners.begin() + n,
-                            [&sign](Index i) { return sign(i) == 0; }) &&
-        std::any_of(part.Corners.begin(), part.Corners.begin() + n,
+      const auto last = part.Corners.begin() + static_cast<std::ptrdiff_t>(n);
+      const bool isOutside =
+        std::any_of(part.Corners.begin(), last, [this](Index i) { return this->Sign(i) > 0; });
+      const bool isFlat =
+        std::all_of(part.Corners.begin(), last, [this](Index i) { return this->Sign(i) == 0; }) &&
+        std::any_of(part.Corners.begin(), last,
           [this](Index i) { return this->WasMoved[static_cast<std::size_t>(i)] != 0; });
       if (!isFlat && (!isOutside || keepOutside))
       {
@@ -173,7 +169,7 @@ bool SimplexCut::Cut(
   return true;
 }
 
-void SimplexCut::MovePoints(int field, Index first, std::vector<double>& values)
+void SimplexCut::MovePoints()
 {
   constexpr double Nearest = 0.25;
   this->WasMoved.resize(this->U.size(), 0);
@@ -200,10 +196,10 @@ void SimplexCut::MovePoints(int field, Index first, std::vector<double>& values)
     }
   }
   // The nearest of the new points on edges along which a point may move.
-  std::vector<Index> target(static_cast<std::size_t>(first), -1);
+  std::vector<Index> target(static_cast<std::size_t>(this->FirstNew), -1);
   const auto distance = [this](std::size_t from, Index to)
   { return (this->X[static_cast<std::size_t>(to)] - this->X[from]).norm(); };
-  for (Index to = first; to < static_cast<Index>(this->U.size()); ++to)
+  for (Index to = this->FirstNew; to < static_cast<Index>(this->U.size()); ++to)
   {
     const auto& ends = this->Ends[static_cast<std::size_t>(to)];
     for (std::size_t e = 0; e < 2; ++e)
@@ -230,9 +226,9 @@ void SimplexCut::MovePoints(int field, Index first, std::vector<double>& values)
       const auto to = static_cast<std::size_t>(target[a]);
       this->U[a] = this->U[to];
       this->X[a] = this->X[to];
-      this->OnField[a] |= 1u << field;
+      this->OnField[a] |= 1u << this->Field;
       this->WasMoved[a] = 1;
-      values[a] = 0.0;
+      this->Values[a] = 0.0;
     }
   }
 }
@@ -261,8 +257,8 @@ void SimplexCut::Bisect(
   }
 }
 
-void SimplexCut::FindRoots(int field, const std::vector<std::array<Index, 2>>& edges,
-  const std::vector<double>& values, const ParallelFor& parallel)
+void SimplexCut::FindRoots(
+  const std::vector<std::array<Index, 2>>& edges, const ParallelFor& parallel)
 {
   const std::size_t first = this->U.size();
   this->U.resize(first + edges.size());
@@ -270,14 +266,15 @@ void SimplexCut::FindRoots(int field, const std::vector<std::array<Index, 2>>& e
   this->OnField.resize(first + edges.size());
   this->Ends.insert(this->Ends.end(), edges.begin(), edges.end());
   std::vector<double> residuals(edges.size());
-  const ScalarField& f = *this->Fields[static_cast<std::size_t>(field)];
+  const ScalarField& f = *this->Fields[static_cast<std::size_t>(this->Field)];
   const auto& geometry = *this->Body->Geometry();
   const auto m = static_cast<std::size_t>(geometry.Spline().Components());
 
   parallel(static_cast<std::ptrdiff_t>(edges.size()), Grain,
     [&](std::ptrdiff_t begin, std::ptrdiff_t end)
     {
-      // All edges of the chunk step by step, so that they are evaluated together.
+      // All edges of the chunk step by step, so that they are evaluated
+      // together.
       struct Bracket
       {
         double Low = 0.0, High = 1.0; ///< places on the edge
@@ -291,8 +288,8 @@ void SimplexCut::FindRoots(int field, const std::vector<std::array<Index, 2>>& e
       for (std::ptrdiff_t e = begin; e < end; ++e)
       {
         const auto& edge = edges[static_cast<std::size_t>(e)];
-        const double a = values[static_cast<std::size_t>(edge[0])];
-        const double b = values[static_cast<std::size_t>(edge[1])];
+        const double a = this->Value(edge[0]);
+        const double b = this->Value(edge[1]);
         brackets.push_back({ 0.0, 1.0, a, b, std::max(std::abs(a), std::abs(b)) });
       }
       const auto at = [&](std::size_t k, double t) -> Eigen::Vector3d
@@ -300,7 +297,8 @@ void SimplexCut::FindRoots(int field, const std::vector<std::array<Index, 2>>& e
         const auto& edge = edges[static_cast<std::size_t>(begin) + k];
         const Eigen::Vector3d& a = this->U[static_cast<std::size_t>(edge[0])];
         const Eigen::Vector3d& b = this->U[static_cast<std::size_t>(edge[1])];
-        // Equal coordinates stay what they are: faces of the domain, knot planes.
+        // Equal coordinates stay what they are: faces of the domain, knot
+        // planes.
         return (a.array() == b.array()).select(a, a + t * (b - a));
       };
       std::vector<std::size_t> open(brackets.size());
@@ -313,7 +311,8 @@ void SimplexCut::FindRoots(int field, const std::vector<std::array<Index, 2>>& e
         for (const std::size_t k : open)
         {
           Bracket& b = brackets[k];
-          // False position with halved weights (the Illinois method); now and then the middle.
+          // False position with halved weights (the Illinois method); now and
+          // then the middle.
           b.Try = step % 4 == 3 ? 0.5 * (b.Low + b.High)
                                 : b.Low + (b.High - b.Low) * (b.AtLow / (b.AtLow - b.AtHigh));
           b.Try = std::min(std::max(b.Try, b.Low), b.High);
@@ -328,8 +327,7 @@ void SimplexCut::FindRoots(int field, const std::vector<std::array<Index, 2>>& e
           const double value = found[i];
           residuals[static_cast<std::size_t>(begin) + open[i]] = std::abs(value) / b.Scale;
           const bool toLow = (value < 0.0) ==
-            (values[static_cast<std::size_t>(edges[static_cast<std::size_t>(begin) + open[i]][0])] <
-              0.0);
+            (this->Value(edges[static_cast<std::size_t>(begin) + open[i]][0]) < 0.0);
           if (value == 0.0 || b.High - b.Low <= 4.0 * std::numeric_limits<double>::epsilon())
           {
             continue;
@@ -360,7 +358,7 @@ void SimplexCut::FindRoots(int field, const std::vector<std::array<Index, 2>>& e
         this->U[to] = at(k, brackets[k].Try);
         const unsigned shared = this->OnField[static_cast<std::size_t>(edge[0])] &
           this->OnField[static_cast<std::size_t>(edge[1])];
-        this->OnField[to] = shared | 1u << field;
+        this->OnField[to] = shared | 1u << this->Field;
         if (shared != 0)
         {
           const Eigen::Vector3d& a = this->U[static_cast<std::size_t>(edge[0])];
@@ -444,4 +442,4 @@ void SimplexCut::Correct(unsigned on, const std::array<bool, 3>& isFree, Eigen::
   }
 }
 
-}
+} // namespace hyperpatch

@@ -1,121 +1,220 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SimplexRefinementWorker.h"
 
+#include <Eigen/Dense>
+
 #include <algorithm>
 #include <cstddef>
-#include <tuple>
 #include <utility>
 
 namespace hyperpatch
 {
 
-SimplexRefinement::SimplexRefinement(
-  const std::array<std::vector<double>, 3>& lines, const std::array<bool, 3>& isThere)
+namespace
 {
-  std::vector<std::size_t> axes;
-  std::array<int, 3> cells{ 1, 1, 1 };
+
+/// Cells between two questions whether to abort.
+constexpr std::size_t Step = 1 << 14;
+
+} // namespace
+
+SimplexRefinement::SimplexRefinement(const std::array<std::vector<double>, 3>& lines,
+  const std::array<bool, 3>& isThere, const std::vector<int>& roots)
+  : IsThere(isThere)
+{
   for (std::size_t d = 0; d < 3; ++d)
   {
-    if (isThere[d])
+    this->D += isThere[d] ? 1 : 0;
+    this->Size[d] = static_cast<int>(lines[d].size()) - 1;
+  }
+  for (const int root : roots)
+  {
+    for (int c = 0; c < 8; ++c)
     {
-      axes.push_back(d);
-      cells[d] = static_cast<int>(lines[d].size()) - 1;
+      std::array<int, 3> at{ root % this->Size[0], root / this->Size[0] % this->Size[1],
+        root / (this->Size[0] * this->Size[1]) };
+      bool isCorner = true;
+      for (std::size_t d = 0; d < 3; ++d)
+      {
+        at[d] += c >> d & 1;
+        isCorner = isCorner && (isThere[d] || (c >> d & 1) == 0);
+      }
+      if (!isCorner || !this->Corners.Number({ at[0], at[1], at[2], 0 }).second)
+      {
+        continue;
+      }
+      unsigned sides = 0;
+      Eigen::Vector3d& node = this->Nodes.emplace_back();
+      for (std::size_t d = 0; d < 3; ++d)
+      {
+        node[static_cast<Eigen::Index>(d)] = lines[d][static_cast<std::size_t>(at[d])];
+        sides |= isThere[d] && at[d] == 0 ? 1u << (2 * d) : 0;
+        sides |= isThere[d] && at[d] == this->Size[d] ? 2u << (2 * d) : 0;
+      }
+      this->SideBits.push_back(static_cast<unsigned char>(sides));
+      this->EndsOf.push_back({ -1, -1 });
+      this->Places.push_back(at);
     }
   }
-  this->D = static_cast<int>(axes.size());
-  Numbering corners;
-  const auto number = [&](const std::array<int, 3>& at)
+}
+
+bool SimplexRefinement::Triangulate(const std::vector<int>& roots,
+  const std::vector<unsigned>& states, const Before& isBefore, const Abort& abort)
+{
+  std::vector<std::pair<std::array<int, 3>, int>> corners;
+  std::array<int, 4> chain{};
+  for (std::size_t r = 0; r < roots.size(); ++r)
   {
-    const auto [corner, isNew] = corners.Number({ at[0], at[1], at[2], 0 });
-    if (isNew)
+    if (r % (Step / 8) == 0 && abort())
     {
-      this->Nodes.emplace_back(lines[0][static_cast<std::size_t>(at[0])],
-        lines[1][static_cast<std::size_t>(at[1])], lines[2][static_cast<std::size_t>(at[2])]);
+      return false;
     }
-    return static_cast<int>(corner);
-  };
-  for (int root = 0; root < cells[0] * cells[1] * cells[2]; ++root)
-  {
-    const std::array<int, 3> low{ root % cells[0], root / cells[0] % cells[1],
-      root / (cells[0] * cells[1]) };
-    // From the corner of even lines to that of odd ones, along the directions in every order.
-    std::vector<std::size_t> order = axes;
-    do
+    Cell cell;
+    cell.Root = roots[r];
+    cell.State = states[r];
+    corners.clear();
+    for (int c = 0; c < 8; ++c)
     {
-      bool isPositive = true;
-      for (std::size_t i = 0; i < order.size(); ++i)
+      std::array<int, 3> at{ cell.Root % this->Size[0], cell.Root / this->Size[0] % this->Size[1],
+        cell.Root / (this->Size[0] * this->Size[1]) };
+      bool isCorner = true;
+      for (std::size_t d = 0; d < 3; ++d)
       {
-        isPositive = isPositive != (low[order[i]] % 2 != 0);
-        for (std::size_t j = 0; j < i; ++j)
+        at[d] += c >> d & 1;
+        isCorner = isCorner && (this->IsThere[d] || (c >> d & 1) == 0);
+      }
+      if (isCorner)
+      {
+        corners.emplace_back(at, this->GridNode(at));
+      }
+    }
+    this->AddSimplices(corners, chain, 0, isBefore, cell);
+  }
+  return true;
+}
+
+void SimplexRefinement::AddSimplices(const std::vector<std::pair<std::array<int, 3>, int>>& corners,
+  std::array<int, 4>& chain, int depth, const Before& isBefore, const Cell& like)
+{
+  // The first corner, and the simplices of the faces that it does not belong to
+  // (De Loera, Rambau & Santos, Triangulations, 2010, section 4.3.2: pulling).
+  const auto first = std::min_element(corners.begin(), corners.end(),
+    [&isBefore](const auto& a, const auto& b) { return isBefore(a.second, b.second); });
+  chain[static_cast<std::size_t>(depth)] = first->second;
+  if (corners.size() == 1)
+  {
+    Cell cell = like;
+    std::copy_n(chain.begin(), this->D + 1, cell.Corners.begin());
+    Eigen::Matrix3d sides = Eigen::Matrix3d::Identity();
+    int column = 0;
+    for (int d = 0; d < 3; ++d)
+    {
+      if (this->IsThere[static_cast<std::size_t>(d)])
+      {
+        int row = 0;
+        for (int e = 0; e < 3; ++e)
         {
-          isPositive = isPositive != (order[j] > order[i]);
+          if (this->IsThere[static_cast<std::size_t>(e)])
+          {
+            sides(row, column) = this->Parameter(chain[static_cast<std::size_t>(row) + 1])[d] -
+              this->Parameter(chain[0])[d];
+            ++row;
+          }
         }
+        ++column;
       }
-      Cell cell;
-      cell.Root = root;
-      std::array<int, 3> at{};
-      for (const std::size_t d : axes)
-      {
-        at[d] = low[d] + low[d] % 2;
-      }
-      cell.Corners[0] = number(at);
-      for (std::size_t i = 0; i < order.size(); ++i)
-      {
-        at[order[i]] = low[order[i]] + 1 - low[order[i]] % 2;
-        cell.Corners[i + 1] = number(at);
-      }
-      if (!isPositive)
-      {
-        std::swap(cell.Corners[0], cell.Corners[1]);
-      }
-      this->C.push_back(cell);
-    } while (std::next_permutation(order.begin(), order.end()));
+    }
+    if (sides.determinant() < 0.0)
+    {
+      std::swap(cell.Corners[0], cell.Corners[1]);
+    }
+    this->C.push_back(cell);
+    return;
   }
-  for (Cell& cell : this->C)
+  for (std::size_t d = 0; d < 3; ++d)
   {
-    this->FindMiddles(cell);
+    std::vector<std::pair<std::array<int, 3>, int>> face;
+    for (const auto& corner : corners)
+    {
+      if (corner.first[d] != first->first[d])
+      {
+        face.push_back(corner);
+      }
+    }
+    if (!face.empty())
+    {
+      this->AddSimplices(face, chain, depth + 1, isBefore, like);
+    }
   }
+}
+
+int SimplexRefinement::FindMiddle(int a, int b) const
+{
+  const std::int64_t edge = this->MiddleOf.Find({ std::min(a, b), std::max(a, b), 0, 0 });
+  return edge < 0 ? -1 : this->MiddleNode[static_cast<std::size_t>(edge)];
+}
+
+int SimplexRefinement::Middle(int a, int b)
+{
+  const auto [edge, isNew] = this->MiddleOf.Number({ std::min(a, b), std::max(a, b), 0, 0 });
+  if (isNew)
+  {
+    this->MiddleNode.push_back(this->NumberOfNodes());
+    // Equal coordinates stay what they are: sides of the domain, knot planes.
+    this->Nodes.emplace_back(0.5 * (this->Parameter(a) + this->Parameter(b)));
+    this->EndsOf.push_back({ a, b });
+    this->SideBits.push_back(static_cast<unsigned char>(this->Sides(a) & this->Sides(b)));
+  }
+  return this->MiddleNode[static_cast<std::size_t>(edge)];
 }
 
 void SimplexRefinement::FindMiddles(Cell& cell)
 {
   for (int e = 0; e < NumberOfEdges(this->D); ++e)
   {
-    const int a = cell.Corners[static_cast<std::size_t>(Edges[e][0])];
-    const int b = cell.Corners[static_cast<std::size_t>(Edges[e][1])];
-    const auto [edge, isNew] = this->MiddleOf.Number({ std::min(a, b), std::max(a, b), 0, 0 });
-    if (isNew)
-    {
-      this->MiddleNode.push_back(this->NumberOfNodes());
-      // Equal coordinates stay what they are: sides of the domain, knot planes.
-      this->Nodes.emplace_back(0.5 * (this->Parameter(a) + this->Parameter(b)));
-    }
-    cell.Middles[static_cast<std::size_t>(e)] = this->MiddleNode[static_cast<std::size_t>(edge)];
+    cell.Middles[static_cast<std::size_t>(e)] =
+      this->Middle(cell.Corners[static_cast<std::size_t>(Edges[e][0])],
+        cell.Corners[static_cast<std::size_t>(Edges[e][1])]);
   }
 }
 
-void SimplexRefinement::Refine(
-  const std::vector<char>& isHalved, const std::vector<double>& length, std::vector<char>& isNew)
+bool SimplexRefinement::Refine(const std::vector<char>& isHalved, const Before& isBefore,
+  std::vector<char>& isNew, const Abort& abort)
 {
-  struct Half
+  std::vector<char> isEnd(this->Nodes.size(), 0);
+  for (std::size_t node = 0; node < this->Nodes.size(); ++node)
   {
-    int Middle, A, B;
-  };
-  std::vector<Half> halves;
+    if (isHalved[node])
+    {
+      isEnd[static_cast<std::size_t>(this->EndsOf[node][0])] = 1;
+      isEnd[static_cast<std::size_t>(this->EndsOf[node][1])] = 1;
+    }
+  }
+  std::vector<int> halves;
   std::vector<Cell> parts;
   const std::size_t count = this->C.size();
   isNew.assign(count, 0);
   for (std::size_t i = 0; i < count; ++i)
   {
+    if (i % Step == 0 && abort())
+    {
+      return false;
+    }
     halves.clear();
     for (int e = 0; e < NumberOfEdges(this->D); ++e)
     {
       const Cell& cell = this->C[i];
-      const int middle = cell.Middles[static_cast<std::size_t>(e)];
-      if (isHalved[static_cast<std::size_t>(middle)])
+      const int a = cell.Corners[static_cast<std::size_t>(Edges[e][0])];
+      const int b = cell.Corners[static_cast<std::size_t>(Edges[e][1])];
+      if (!isEnd[static_cast<std::size_t>(a)] || !isEnd[static_cast<std::size_t>(b)])
       {
-        halves.push_back({ middle, cell.Corners[static_cast<std::size_t>(Edges[e][0])],
-          cell.Corners[static_cast<std::size_t>(Edges[e][1])] });
+        continue;
+      }
+      const int known = cell.Middles[static_cast<std::size_t>(e)];
+      const int middle = known >= 0 ? known : this->FindMiddle(a, b);
+      if (middle >= 0 && isHalved[static_cast<std::size_t>(middle)])
+      {
+        halves.push_back(middle);
       }
     }
     if (halves.empty())
@@ -123,45 +222,32 @@ void SimplexRefinement::Refine(
       continue;
     }
     // The same order in all cells: neighbors divide a common face alike.
-    std::sort(halves.begin(), halves.end(),
-      [&length](const Half& a, const Half& b)
-      {
-        const double la = length[static_cast<std::size_t>(a.Middle)];
-        const double lb = length[static_cast<std::size_t>(b.Middle)];
-        return std::tie(lb, a.Middle) < std::tie(la, b.Middle);
-      });
+    std::sort(halves.begin(), halves.end(), isBefore);
+    this->C[i].Middles.fill(-1);
     parts.assign(1, this->C[i]);
-    for (const Half& half : halves)
+    for (const int middle : halves)
     {
+      const auto [first, last] = this->Ends(middle);
       for (std::size_t p = 0, n = parts.size(); p < n; ++p)
       {
         auto& corners = parts[p].Corners;
-        const auto a = std::find(corners.begin(), corners.end(), half.A) - corners.begin();
-        const auto b = std::find(corners.begin(), corners.end(), half.B) - corners.begin();
+        const auto a = std::find(corners.begin(), corners.end(), first) - corners.begin();
+        const auto b = std::find(corners.begin(), corners.end(), last) - corners.begin();
         if (a < 4 && b < 4)
         {
           Cell other = parts[p];
-          corners[static_cast<std::size_t>(a)] = half.Middle;
-          other.Corners[static_cast<std::size_t>(b)] = half.Middle;
+          corners[static_cast<std::size_t>(a)] = middle;
+          other.Corners[static_cast<std::size_t>(b)] = middle;
           parts.push_back(other);
         }
       }
     }
-    for (std::size_t p = 0; p < parts.size(); ++p)
-    {
-      this->FindMiddles(parts[p]);
-      if (p == 0)
-      {
-        this->C[i] = parts[p];
-      }
-      else
-      {
-        this->C.push_back(parts[p]);
-      }
-    }
+    this->C[i] = parts[0];
+    this->C.insert(this->C.end(), parts.begin() + 1, parts.end());
     isNew[i] = 1;
   }
   isNew.resize(this->C.size(), 1);
+  return true;
 }
 
-}
+} // namespace hyperpatch

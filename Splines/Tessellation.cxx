@@ -3,6 +3,7 @@
 
 #include "BezierExtractor.h"
 #include "ChordBound.h"
+#include "ElementAxis.h"
 #include "Error.h"
 #include "Evaluator.h"
 #include "Operators.h"
@@ -24,20 +25,23 @@ namespace
 
 using Id = std::int64_t;
 
-// The share of the tolerance that the points of an element's edge may use. The strip beside the
-// edge needs the rest (see StripWidth).
+// The share of the tolerance that the points of an element's edge may use. The
+// strip beside the edge needs the rest (see StripWidth).
 constexpr double EdgeShare = 0.75;
-// The share of the inner row in a strip beside an edge that is coarser than the row.
+// The share of the inner row in a strip beside an edge that is coarser than the
+// row.
 constexpr double RowShare = 0.4;
 // Keeps counts from flipping by round-off.
 constexpr double Slack = 1e-9;
-// How often pieces are halved to tighten their bounds: along edges, on faces, in volumes.
+// How often pieces are halved to tighten their bounds: along edges, on faces,
+// in volumes.
 constexpr int Halvings[3] = { 2, 2, 1 };
 // Below this part of the size of the coordinates, points coincide.
 constexpr double Coincident = 1e-14;
 
-/// How much a piece of a field bends, in its own tolerances: linear interpolation on a parameter
-/// triangle with legs h_u, h_v is within the tolerance if h_u^2 UU + 2 h_u h_v UV + h_v^2 VV <= 1.
+/// How much a piece of a field bends, in its own tolerances: linear
+/// interpolation on a parameter triangle with legs h_u, h_v is within the
+/// tolerance if h_u^2 UU + 2 h_u h_v UV + h_v^2 VV <= 1.
 struct Bend
 {
   double UU = 0.0;
@@ -49,8 +53,8 @@ struct Bend
   {
     return hu * hu * this->UU + 2.0 * hu * hv * this->UV + hv * hv * this->VV <= 1.0 + Slack;
   }
-  /// The largest h_v for this h_u and a right side of `budget` (left of which h_u^2 UU is taken
-  /// already); 0 if there is none.
+  /// The largest h_v for this h_u and a right side of `budget` (left of which
+  /// h_u^2 UU is taken already); 0 if there is none.
   [[nodiscard]] double Height(double hu, double budget) const
   {
     if (budget <= 0.0)
@@ -63,7 +67,8 @@ struct Bend
   }
 };
 
-/// The edge curve of an element: its bend, and whether the field does not change along it.
+/// The edge curve of an element: its bend, and whether the field does not
+/// change along it.
 struct EdgeBend
 {
   double UU = 0.0;
@@ -77,64 +82,8 @@ int Count(double segments, int maximum, bool& limited)
   return static_cast<int>(std::clamp(count, 1.0, static_cast<double>(maximum)));
 }
 
-/// The cells of one direction, between the common breaks of geometry and attributes.
-struct Axis
-{
-  std::vector<double> Breaks;
-  std::vector<bool> IsKnot;            ///< per break: the geometry has it
-  std::vector<std::vector<int>> Spans; ///< per spline and cell: index into its Knots(d).Spans()
-
-  [[nodiscard]] int Cells() const { return static_cast<int>(this->Breaks.size()) - 1; }
-  [[nodiscard]] double At(int cell, double t) const
-  {
-    const auto c = static_cast<std::size_t>(cell);
-    return t >= 1.0 ? this->Breaks[c + 1]
-                    : this->Breaks[c] + t * (this->Breaks[c + 1] - this->Breaks[c]);
-  }
-  [[nodiscard]] int Find(double u) const
-  {
-    const auto next = std::upper_bound(this->Breaks.begin() + 1, this->Breaks.end() - 1, u);
-    return static_cast<int>(next - this->Breaks.begin()) - 1;
-  }
-};
-
-Axis MakeAxis(const std::vector<Spline>& splines, int direction)
-{
-  Axis axis;
-  const std::vector<double> knots = splines[0].Knots(direction).Breaks();
-  // Aggregates let domains differ by this much; breaks that do are the same.
-  const double tolerance = 1e-12 * (knots.back() - knots.front());
-  axis.Breaks = knots;
-  for (std::size_t s = 1; s < splines.size(); ++s)
-  {
-    for (double knot : splines[s].Knots(direction).Breaks())
-    {
-      const auto near = std::lower_bound(axis.Breaks.begin(), axis.Breaks.end(), knot - tolerance);
-      if (near != axis.Breaks.end() && near != axis.Breaks.begin() && *near > knot + tolerance)
-      {
-        axis.Breaks.insert(near, knot);
-      }
-    }
-  }
-  for (double knot : axis.Breaks)
-  {
-    axis.IsKnot.push_back(std::binary_search(knots.begin(), knots.end(), knot));
-  }
-  for (const Spline& spline : splines)
-  {
-    const KnotVector& k = spline.Knots(direction);
-    std::vector<int>& spans = axis.Spans.emplace_back();
-    for (int cell = 0; cell < axis.Cells(); ++cell)
-    {
-      const int span = k.FindSpan(axis.At(cell, 0.5));
-      const auto at = std::lower_bound(k.Spans().begin(), k.Spans().end(), span);
-      spans.push_back(static_cast<int>(at - k.Spans().begin()));
-    }
-  }
-  return axis;
-}
-
-/// Geometry and attributes of a volume, face or curve, and the fields whose error is bounded.
+/// Geometry and attributes of a volume, face or curve, and the fields whose
+/// error is bounded.
 struct Domain
 {
   /// A spline of which one or more fields are bounded.
@@ -147,16 +96,21 @@ struct Domain
   };
 
   std::vector<Spline> Splines; ///< geometry first
-  std::array<Axis, 3> Axes;
+  std::array<ElementAxis, 3> Axes;
   std::vector<Measured> Fields;
   std::size_t NumberOfBounds = 0; ///< per element: the geometry, and components of attributes
 
   Domain(std::vector<Spline> splines, const TessellationOptions& options)
     : Splines(std::move(splines))
   {
+    std::vector<const Spline*> all;
+    for (const Spline& spline : this->Splines)
+    {
+      all.push_back(&spline);
+    }
     for (int d = 0; d < 3; ++d)
     {
-      this->Axes[static_cast<std::size_t>(d)] = MakeAxis(this->Splines, d);
+      this->Axes[static_cast<std::size_t>(d)] = MakeElementAxis(all, d);
     }
     for (std::size_t s = 0; s < this->Splines.size(); ++s)
     {
@@ -191,7 +145,8 @@ struct Domain
     BezierExtractor(spline).Extract(spans, low, high, points);
   }
 
-  /// Bends of an edge curve, from its Bezier points; writes one per bound of the field.
+  /// Bends of an edge curve, from its Bezier points; writes one per bound of
+  /// the field.
   void BoundEdge(
     const Measured& field, const Eigen::MatrixXd& points, ChordBound& bound, EdgeBend* bends) const
   {
@@ -218,26 +173,7 @@ struct Domain
 
 void Check(const Patch& patch, int handedness, const TessellationOptions& options)
 {
-  const Aggregate& body = patch.Body;
-  if (!(options.Tolerance > 0.0) || !std::isfinite(options.Tolerance))
-  {
-    throw Error(
-      "the tolerance is " + std::to_string(options.Tolerance) + "; it must be a positive length");
-  }
-  const auto& tolerances = options.AttributeTolerances;
-  if (!tolerances.empty() && tolerances.size() != body.Attributes().size())
-  {
-    throw Error(std::to_string(tolerances.size()) + " attribute tolerances for " +
-      std::to_string(body.Attributes().size()) + " attributes; give one for each, or none");
-  }
-  for (std::size_t i = 0; i < tolerances.size(); ++i)
-  {
-    if (!(tolerances[i] >= 0.0))
-    {
-      throw Error("the tolerance of attribute \"" + body.Attributes()[i].Name + "\" is " +
-        std::to_string(tolerances[i]) + "; it must be positive, or 0 for off");
-    }
-  }
+  CheckTolerances(patch, options.Tolerance, options.AttributeTolerances);
   if (options.MaximumSubdivision < 1)
   {
     throw Error("the maximum subdivision is " + std::to_string(options.MaximumSubdivision) +
@@ -247,27 +183,21 @@ void Check(const Patch& patch, int handedness, const TessellationOptions& option
   {
     throw Error("the handedness is " + std::to_string(handedness) + "; it must be 1 or -1");
   }
-  for (int d = 0; d < 3; ++d)
-  {
-    const KnotVector& k = body.Geometry().Knots(d);
-    if (k.Degree() == 0 && k.Spans().size() > 1)
-    {
-      throw Error(std::string("the geometry has degree 0 and ") + std::to_string(k.Spans().size()) +
-        " spans in direction " + "uvw"[d] + ": it jumps there and has no surface");
-    }
-  }
 }
 
-/// The widest step in the second direction of a strip beside an element's edge so that its
-/// triangles are within the tolerance. Merging by midpoints makes no triangle wider than the larger
-/// of the edge's step and the row's; call that H.
+/// The widest step in the second direction of a strip beside an element's edge
+/// so that its triangles are within the tolerance. Merging by midpoints makes
+/// no triangle wider than the larger of the edge's step and the row's; call
+/// that H.
 ///
-/// (1) The bound of the whole element on H x width, if that is enough. (2) Otherwise the edge may
-/// be coarse because the field bends less there: split f into the edge curve E(u), whose error is
-/// at most e = H^2 E_uu, and the rest, which vanishes on the edge; with r = 2 H width UV + width^2
-/// VV, triangles that stand on the edge are wrong by at most e + r, those that stand on the row by
-/// at most s i + 4 s (1 - s) (e + r) at height s, where i = row^2 UU is the error of the row. The
-/// largest value of that is at most 1 if e + r <= (1 - i/2 + sqrt(1 - i)) / 2.
+/// (1) The bound of the whole element on H x width, if that is enough. (2)
+/// Otherwise the edge may be coarse because the field bends less there: split f
+/// into the edge curve E(u), whose error is at most e = H^2 E_uu, and the rest,
+/// which vanishes on the edge; with r = 2 H width UV + width^2 VV, triangles
+/// that stand on the edge are wrong by at most e + r, those that stand on the
+/// row by at most s i + 4 s (1 - s) (e + r) at height s, where i = row^2 UU is
+/// the error of the row. The largest value of that is at most 1 if e + r <= (1
+/// - i/2 + sqrt(1 - i)) / 2.
 double StripWidth(const Bend& bend, const EdgeBend& edge, double edgeStep, double rowStep)
 {
   // All points of a collapsed edge are the same one: it is as fine as the row.
@@ -282,8 +212,9 @@ double StripWidth(const Bend& bend, const EdgeBend& edge, double edgeStep, doubl
   return std::max(direct, bend.Height(step, budget - step * step * edge.UU));
 }
 
-/// Equal steps for the inside of an element: the fewest segments, near enough, so that all fields
-/// fit. Treats both directions alike, so that a neighbour with u and v exchanged agrees.
+/// Equal steps for the inside of an element: the fewest segments, near enough,
+/// so that all fields fit. Treats both directions alike, so that a neighbour
+/// with u and v exchanged agrees.
 std::array<int, 2> InnerSegments(const Bend* bends, std::size_t count, int maximum, bool& limited)
 {
   Bend most;
@@ -312,7 +243,8 @@ std::array<int, 2> InnerSegments(const Bend* bends, std::size_t count, int maxim
   }
   for (std::size_t d = 0; d < 2; ++d)
   {
-    // Where one direction needs no subdivision the other may use all of the tolerance.
+    // Where one direction needs no subdivision the other may use all of the
+    // tolerance.
     if (h[d] == 1.0 && h[1 - d] < 1.0)
     {
       double height = 1.0;
@@ -349,7 +281,8 @@ std::array<int, 2> InnerSegments(const Bend* bends, std::size_t count, int maxim
   }
 }
 
-/// Points of the inner grid of an element in one direction, at t = First .. Last of the element.
+/// Points of the inner grid of an element in one direction, at t = First ..
+/// Last of the element.
 struct Row
 {
   int Points = 0; ///< 0: no inner grid
@@ -363,7 +296,8 @@ struct Row
   }
 };
 
-/// \param low, high greatest widths of the first and last strip \param step greatest in between
+/// \param low, high greatest widths of the first and last strip \param step
+/// greatest in between
 Row InnerRow(double low, double high, double step, int maximum, bool& limited)
 {
   const double between = 1.0 - low - high;
@@ -377,7 +311,8 @@ Row InnerRow(double low, double high, double step, int maximum, bool& limited)
 
 struct ElementLayout
 {
-  /// 2: inner grid and four strips. 0 or 1: the two edges along u or v are merged directly.
+  /// 2: inner grid and four strips. 0 or 1: the two edges along u or v are
+  /// merged directly.
   int Kind = 2;
   std::array<Row, 2> Rows;
 
@@ -387,9 +322,10 @@ struct ElementLayout
   }
 };
 
-/// Triangulates between two rows of points (along t, `near` on the right of `far`'s side: counter-
-/// clockwise when `far` lies on the left of t) by merging their midpoints, which makes no triangle
-/// wider than the larger step of the two.
+/// Triangulates between two rows of points (along t, `near` on the right of
+/// `far`'s side: counter- clockwise when `far` lies on the left of t) by
+/// merging their midpoints, which makes no triangle wider than the larger step
+/// of the two.
 template <typename Emit>
 void MergeRows(const std::vector<std::pair<double, Id>>& near,
   const std::vector<std::pair<double, Id>>& far, const Emit& emit)
@@ -418,8 +354,8 @@ void MergeRows(const std::vector<std::pair<double, Id>>& near,
 class Face
 {
 public:
-  /// \param outward the sign of P_a x P_b in the normal \param element span of the missing
-  /// direction \param fixed its parameter
+  /// \param outward the sign of P_a x P_b in the normal \param element span of
+  /// the missing direction \param fixed its parameter
   Face(std::vector<Spline> splines, int missing, double fixed, int element, double outward,
     int side, std::array<int, 3> firstSpan, const TessellationOptions& options)
     : D(std::move(splines), options)
@@ -434,7 +370,8 @@ public:
     , Nu(D.Axes[A].Cells())
     , Nv(D.Axes[B].Cells())
   {
-    // The missing direction of the face has one span, which stands for this one of the volume.
+    // The missing direction of the face has one span, which stands for this one
+    // of the volume.
     this->FirstSpan[this->Missing] = element;
   }
 
@@ -454,7 +391,8 @@ public:
   }
 
 private:
-  // Numbering: cells u fastest; corners likewise; edges along u (Nu x (Nv + 1)), then those along v
+  // Numbering: cells u fastest; corners likewise; edges along u (Nu x (Nv +
+  // 1)), then those along v
   // ((Nu + 1) x Nv).
   [[nodiscard]] std::size_t Cell(int i, int j) const
   {
@@ -531,7 +469,8 @@ private:
               }
               this->D.BoundEdge(field, row, bound, this->EdgeBends.data() + id * fields + k);
             };
-            // Each edge once: by the cell that it is the low edge of, or by the last cell.
+            // Each edge once: by the cell that it is the low edge of, or by the
+            // last cell.
             edge(this->EdgeU(i, j), na, 0, 1);
             edge(this->EdgeV(i, j), nb, 0, na);
             if (j + 1 == this->Nv)
@@ -600,7 +539,8 @@ private:
         this->EdgeBends[edges[e] * fields + k], 1.0 / this->EdgeSegments[edges[e]],
         steps[swapped ? 1 : 0]);
     };
-    // A row beside an edge that is too coarse for it must leave the edge a share.
+    // A row beside an edge that is too coarse for it must leave the edge a
+    // share.
     const double before[2] = { steps[0], steps[1] };
     for (std::size_t e = 0; e < 4; ++e)
     {
@@ -696,8 +636,8 @@ private:
 
   void PlacePoints()
   {
-    const Axis& a = this->D.Axes[this->A];
-    const Axis& b = this->D.Axes[this->B];
+    const ElementAxis& a = this->D.Axes[this->A];
+    const ElementAxis& b = this->D.Axes[this->B];
     const auto place = [&](Id id, double u, double v)
     {
       this->Mesh.Parameters(static_cast<Eigen::Index>(this->A), id) = u;
@@ -906,7 +846,8 @@ private:
     return a.cross(b);
   }
 
-  /// The normal where tangents vanish or are parallel: from a little inside the element.
+  /// The normal where tangents vanish or are parallel: from a little inside the
+  /// element.
   [[nodiscard]] Eigen::Vector3d LimitNormal(
     const Evaluator& evaluator, const Eigen::Vector3d& parameters, double small) const
   {
@@ -917,7 +858,7 @@ private:
       Eigen::Vector3d moved = parameters;
       for (std::size_t d : { this->A, this->B })
       {
-        const Axis& axis = this->D.Axes[d];
+        const ElementAxis& axis = this->D.Axes[d];
         double& u = moved[static_cast<Eigen::Index>(d)];
         u += inside * (axis.At(axis.Find(u), 0.5) - u);
       }
@@ -1120,7 +1061,7 @@ SurfaceMesh TessellateCurve(const Patch& patch, int along, const TessellationOpt
     }
   }
   const Domain domain(std::move(splines), options);
-  const Axis& axis = domain.Axes[static_cast<std::size_t>(along)];
+  const ElementAxis& axis = domain.Axes[static_cast<std::size_t>(along)];
   std::vector<double> parameters{ axis.Breaks.front() };
   std::vector<Eigen::Vector3i> elements;
   ChordBound bound;
@@ -1182,6 +1123,38 @@ SurfaceMesh TessellateCurve(const Patch& patch, int along, const TessellationOpt
   return mesh;
 }
 
+} // namespace
+
+void CheckTolerances(
+  const Patch& patch, double tolerance, const std::vector<double>& attributeTolerances)
+{
+  const Aggregate& body = patch.Body;
+  if (!(tolerance > 0.0) || !std::isfinite(tolerance))
+  {
+    throw Error("the tolerance is " + std::to_string(tolerance) + "; it must be a positive length");
+  }
+  if (!attributeTolerances.empty() && attributeTolerances.size() != body.Attributes().size())
+  {
+    throw Error(std::to_string(attributeTolerances.size()) + " attribute tolerances for " +
+      std::to_string(body.Attributes().size()) + " attributes; give one for each, or none");
+  }
+  for (std::size_t i = 0; i < attributeTolerances.size(); ++i)
+  {
+    if (!(attributeTolerances[i] >= 0.0))
+    {
+      throw Error("the tolerance of attribute \"" + body.Attributes()[i].Name + "\" is " +
+        std::to_string(attributeTolerances[i]) + "; it must be positive, or 0 for off");
+    }
+  }
+  for (int d = 0; d < 3; ++d)
+  {
+    const KnotVector& k = body.Geometry().Knots(d);
+    if (k.Degree() == 0 && k.Spans().size() > 1)
+    {
+      throw Error(std::string("the geometry has degree 0 and ") + std::to_string(k.Spans().size()) +
+        " spans in direction " + "uvw"[d] + ": it jumps there and has no surface");
+    }
+  }
 }
 
 SurfaceMesh TessellateBoundary(
@@ -1230,8 +1203,9 @@ SurfaceMesh TessellateBoundary(
 namespace
 {
 
-/// Segments of every cell along each direction of a volume, so that trilinear interpolation is
-/// within the tolerances: sum of h_d^2 M_dd / 8 in every element.
+/// Segments of every cell along each direction of a volume, so that trilinear
+/// interpolation is within the tolerances: sum of h_d^2 M_dd / 8 in every
+/// element.
 std::array<std::vector<int>, 3> SolidSegments(
   const Domain& domain, const TessellationOptions& options, bool& limited)
 {
@@ -1266,8 +1240,9 @@ std::array<std::vector<int>, 3> SolidSegments(
         }
       }
     });
-  // First what each direction needs by itself; then all layers of an element are refined together
-  // by what it still lacks. Both steps take maxima, so that no order of elements matters.
+  // First what each direction needs by itself; then all layers of an element
+  // are refined together by what it still lacks. Both steps take maxima, so
+  // that no order of elements matters.
   std::array<std::vector<double>, 3> needed;
   for (std::size_t d = 0; d < 3; ++d)
   {
@@ -1333,13 +1308,23 @@ std::vector<Spline> SplinesOf(const Aggregate& body)
   return splines;
 }
 
+/// The tensor grid that hexahedra are made of.
+struct SolidGrid
+{
+  std::array<std::vector<double>, 3> Lines; ///< ascending parameters
+  /// Per layer between lines: the non-empty knot span of the geometry, counted
+  /// in this part.
+  std::array<std::vector<int>, 3> Spans;
+  bool LimitReached = false;
+};
+
 SolidGrid MakeGrid(const Domain& domain, const TessellationOptions& options)
 {
   SolidGrid grid;
   const auto segments = SolidSegments(domain, options, grid.LimitReached);
   for (std::size_t d = 0; d < 3; ++d)
   {
-    const Axis& axis = domain.Axes[d];
+    const ElementAxis& axis = domain.Axes[d];
     grid.Lines[d].push_back(axis.Breaks.front());
     for (int c = 0; c < axis.Cells(); ++c)
     {
@@ -1354,13 +1339,7 @@ SolidGrid MakeGrid(const Domain& domain, const TessellationOptions& options)
   return grid;
 }
 
-}
-
-SolidGrid MakeSolidGrid(const Patch& patch, const TessellationOptions& options)
-{
-  Check(patch, 1, options);
-  return MakeGrid(Domain(SplinesOf(patch.Body), options), options);
-}
+} // namespace
 
 SolidMesh TessellateSolid(const Patch& patch, int handedness, const TessellationOptions& options)
 {
@@ -1448,4 +1427,4 @@ SolidMesh TessellateSolid(const Patch& patch, int handedness, const Tessellation
   return mesh;
 }
 
-}
+} // namespace hyperpatch

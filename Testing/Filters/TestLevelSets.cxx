@@ -3,6 +3,7 @@
 #include "Evaluator.h"
 #include "FilterRun.h"
 #include "Measures.h"
+#include "Splines/TurnedPatches.h"
 #include "vtkNURBSClip.h"
 #include "vtkNURBSContour.h"
 #include "vtkNURBSSlice.h"
@@ -471,6 +472,42 @@ TEST(NURBSClip, WhatIsKeptBetweenRunsDoesNotChangeTheResult)
   kept.F->SetInputDataObject(other);
   plane->SetNormal(0.0, 0.0, 1.0);
   EXPECT_NEAR(Volume(Updated(kept)), 0.5, 1e-14);
+}
+
+TEST(NURBSClip, PatchesThatMeetHaveTheSameFaces)
+{
+  const MultiPatch model = models::Split(
+    models::Curved(1), { 2, 1, 1 }, { models::Turn::Number(5), models::Turn::Number(38) });
+  FilterRun<vtkNURBSClip> run(model);
+  vtkNew<vtkPlane> plane;
+  plane->SetOrigin(0.5, 0.5, 0.5);
+  plane->SetNormal(0.1, 1.0, 0.3);
+  run.F->SetClipFunction(plane);
+  run.F->SetTolerance(1e-2);
+  run.F->SetAttributeTolerance(0.0);
+  vtkUnstructuredGrid* mesh = Updated(run);
+  ASSERT_TRUE(run.Errors.empty());
+  EXPECT_EQ(FieldNumber(mesh, "OpenFacesOnInterfaces"), 0);
+  // Faces by the coordinates of their corners: those of both patches at once are the interface's.
+  std::map<std::array<Point, 3>, int> patchesOf;
+  for (vtkIdType c = 0; c < mesh->GetNumberOfCells(); ++c)
+  {
+    const int id = static_cast<int>(mesh->GetCellData()->GetArray("PatchId")->GetTuple1(c));
+    for (int left = 0; left < 4; ++left)
+    {
+      std::array<Point, 3> face{};
+      for (int k = 0; k < 3; ++k)
+      {
+        face[static_cast<std::size_t>(k)] =
+          PointAt(mesh, mesh->GetCell(c)->GetPointId((left + 1 + k) % 4));
+      }
+      std::sort(face.begin(), face.end());
+      patchesOf[face] |= 1 << id;
+    }
+  }
+  EXPECT_GT(std::count_if(patchesOf.begin(), patchesOf.end(),
+              [](const auto& face) { return face.second == 3; }),
+    10);
 }
 
 TEST(NURBSClip, ThreadsDoNotChangeTheResult)

@@ -4,6 +4,7 @@
 #include "Primitives.h"
 #include "QuadricField.h"
 #include "Splines/Models.h"
+#include "Splines/TurnedPatches.h"
 #include "Splines/Weld.h"
 #include "ZeroSetGroup.h"
 
@@ -21,6 +22,10 @@
 #include <thread>
 
 using namespace hyperpatch;
+using models::Curved;
+using models::Split;
+using models::Turn;
+using models::Turned;
 using models::Weld;
 using models::Welded;
 
@@ -28,124 +33,6 @@ namespace
 {
 
 constexpr double Pi = 3.14159265358979323846;
-
-/// Another parametrisation of the same volume: direction d of the result is direction from[d] of
-/// the spline, run backwards where flipped[d].
-struct Turn
-{
-  std::array<int, 3> From{ 0, 1, 2 };
-  std::array<bool, 3> Flipped{};
-
-  static Turn Number(int n)
-  {
-    Turn turn;
-    for (int i = 0; i < n % 6; ++i)
-    {
-      std::next_permutation(turn.From.begin(), turn.From.end());
-    }
-    for (std::size_t d = 0; d < 3; ++d)
-    {
-      turn.Flipped[d] = (n / 6 >> d & 1) != 0;
-    }
-    return turn;
-  }
-  [[nodiscard]] int Sign() const
-  {
-    const int inversions = (From[0] > From[1]) + (From[0] > From[2]) + (From[1] > From[2]);
-    return (inversions + Flipped[0] + Flipped[1] + Flipped[2]) % 2 == 0 ? 1 : -1;
-  }
-};
-
-Spline Turned(const Spline& spline, const Turn& turn)
-{
-  std::array<KnotVector, 3> knots;
-  std::array<int, 3> sizes{};
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    const KnotVector& old = spline.Knots(turn.From[d]);
-    std::vector<double> k = old.Knots();
-    if (turn.Flipped[d])
-    {
-      for (double& x : k)
-      {
-        x = old.First() + old.Last() - x;
-      }
-      std::reverse(k.begin(), k.end());
-    }
-    knots[d] = KnotVector(old.Degree(), k);
-    sizes[d] = old.Size();
-  }
-  const auto n = spline.Sizes();
-  Eigen::MatrixXd points(spline.Components(), spline.NumberOfControlPoints());
-  Eigen::VectorXd weights(spline.IsRational() ? points.cols() : 0);
-  for (Eigen::Index i = 0; i < points.cols(); ++i)
-  {
-    const std::array<Eigen::Index, 3> at{ i % sizes[0], i / sizes[0] % sizes[1],
-      i / (sizes[0] * sizes[1]) };
-    std::array<Eigen::Index, 3> old{};
-    for (std::size_t d = 0; d < 3; ++d)
-    {
-      old[static_cast<std::size_t>(turn.From[d])] = turn.Flipped[d] ? sizes[d] - 1 - at[d] : at[d];
-    }
-    const Eigen::Index from = old[0] + n[0] * (old[1] + n[1] * old[2]);
-    points.col(i) = spline.Coefficients().col(from);
-    if (spline.IsRational())
-    {
-      weights[i] = spline.Weights()[from];
-    }
-  }
-  return Spline(knots, points, weights);
-}
-
-/// A curved rational volume about the unit cube, with an attribute of another basis.
-Aggregate Curved(int seed)
-{
-  std::mt19937 random(static_cast<unsigned>(seed));
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const KnotVector k(2, { 0, 0, 0, 0.3, 0.8, 1, 1, 1 });
-  Eigen::MatrixXd points(3, 125);
-  Eigen::VectorXd weights(125);
-  for (int i = 0; i < 125; ++i)
-  {
-    points.col(i) << k.Greville(i % 5), k.Greville(i / 5 % 5), k.Greville(i / 25);
-    points.col(i) += 0.04 * Eigen::Vector3d(unit(random), unit(random), unit(random));
-    weights[i] = 1.0 + 0.2 * unit(random);
-  }
-  const KnotVector a = KnotVector::Uniform(3, 6);
-  return Aggregate(Spline({ k, k, k }, points, weights),
-    { { "A", models::RandomSpline(random, { a, a, a }, 1, true) } });
-}
-
-/// The parts of a volume between cuts in the middle of directions, each in a turned
-/// parametrisation, with their interfaces.
-MultiPatch Split(const Aggregate& whole, std::array<int, 3> pieces, const std::vector<Turn>& turns)
-{
-  MultiPatch model;
-  for (int i = 0; i < pieces[0] * pieces[1] * pieces[2]; ++i)
-  {
-    const std::array<int, 3> at{ i % pieces[0], i / pieces[0] % pieces[1],
-      i / (pieces[0] * pieces[1]) };
-    std::array<double, 3> low{};
-    std::array<double, 3> high{};
-    for (std::size_t d = 0; d < 3; ++d)
-    {
-      low[d] = static_cast<double>(at[d]) / pieces[d];
-      high[d] = static_cast<double>(at[d] + 1) / pieces[d];
-    }
-    const Turn& turn = turns[static_cast<std::size_t>(i)];
-    std::vector<Attribute> attributes;
-    for (const Attribute& attribute : whole.Attributes())
-    {
-      attributes.push_back(
-        { attribute.Name, Turned(RestrictToBox(attribute.Field, low, high), turn) });
-    }
-    model.Patches.push_back(
-      { i, Aggregate(Turned(RestrictToBox(whole.Geometry(), low, high), turn), attributes) });
-    model.Patches.back().WholeHandedness = turn.Sign();
-  }
-  model.Interfaces = FindInterfaces(model, 1e-9);
-  return model;
-}
 
 using MakeField = std::function<std::shared_ptr<const ScalarField>(const PreparedAggregate&)>;
 
@@ -270,7 +157,7 @@ void OnRanks(int count, const std::function<void(ZeroSetGroup::Ranks)>& work)
   }
 }
 
-}
+} // namespace
 
 TEST(ZeroSetGroup, TwoPatchesInEveryOrientationGiveOneSphere)
 {
@@ -346,7 +233,8 @@ TEST(ZeroSetGroup, PlanesThroughVerticesEdgesAndFacesOfEightPatchesAreClosed)
     {
       const Drawn drawn = Draw(model, Slice(Plane(normal, middle)), 1e-3);
       const Welded welded = Weld(drawn.Meshes);
-      // The area of the plane in the cube, from the length of its outline in two dimensions.
+      // The area of the plane in the cube, from the length of its outline in
+      // two dimensions.
       const Eigen::Vector3d n = normal.cwiseAbs() / normal.norm();
       if (n.minCoeff() == 0.0)
       {
@@ -364,7 +252,8 @@ TEST(ZeroSetGroup, PlanesThroughVerticesEdgesAndFacesOfEightPatchesAreClosed)
 
 TEST(ZeroSetGroup, PatchesWithSmallGapsCloseEvenWhereSignsDifferOnBothSides)
 {
-  // Control points with eight digits, as files have them, and planes through the common vertex.
+  // Control points with eight digits, as files have them, and planes through
+  // the common vertex.
   std::mt19937 random(21);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int seed = 0; seed < 8; ++seed)
@@ -431,8 +320,9 @@ TEST(ZeroSetGroup, ATouchOnAnInterfaceIsUndecided)
   }
 }
 
-/// A ring about the z axis of inner radius 1 and outer radius 2, closed with itself: u the radius,
-/// v around, w the height; turned by `twist` half turns of its section on the way.
+/// A ring about the z axis of inner radius 1 and outer radius 2, closed with
+/// itself: u the radius, v around, w the height; turned by `twist` half turns
+/// of its section on the way.
 Aggregate Ring(int twist)
 {
   const KnotVector u = KnotVector::Uniform(1, 2);
@@ -492,8 +382,8 @@ TEST(ZeroSetGroup, PrimitivesOfManyPatchesAreClosed)
 
 TEST(ZeroSetGroup, AOneSidedRingIsLeftOpenAndCounted)
 {
-  // Its lines would have to run against themselves. Turned, so that round-off tells both sides of
-  // the seam apart.
+  // Its lines would have to run against themselves. Turned, so that round-off
+  // tells both sides of the seam apart.
   const Aggregate ring = Ring(1);
   const Eigen::Matrix3d turn =
     Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
