@@ -72,16 +72,29 @@ show(s.NURBSContour(Input=pipe, ContourBy=['POINTS', 'Temperature'],
 glass(pipe)
 save('NURBSContour')
 
-clip = s.NURBSClip(Input=pipe)
-clip.ClipType.Origin = [1.5, 1.5, 0]
-clip.ClipType.Normal = [0, 0, 1]
-show(clip)
-glass(pipe)
+for side in (1, 0):
+    clip = s.NURBSClip(Input=pipe, Invert=side)
+    clip.ClipType.Origin = [1.5, 1.5, 0]
+    clip.ClipType.Normal = [0, 0, 1]
+    clipped = show(clip)
+s.ColorBy(clipped, ('POINTS', None))
+clipped.Opacity = 0.15
 save('NURBSClip')
 
 show(s.NURBSJacobianBoundary(Input=pipe, Faces=0))
 show(s.NURBSJacobianBoundary(Input=pipe, Sheet=0), Opacity=0.15)
 save('NURBSJacobianBoundary')
+
+RED = [0.75, 0.15, 0.1]
+validity = s.NURBSValidity(Input=pipe)
+for verdict, look in ((1, {'Opacity': 0.2}), (-1, {
+        'Representation': 'Surface With Edges', 'EdgeColor': [0, 0, 0.2],
+        'DiffuseColor': RED, 'AmbientColor': RED})):
+    elements = s.Threshold(Input=validity, Scalars=['CELLS', 'Verdict'], LowerThreshold=verdict,
+                           UpperThreshold=verdict)
+    s.ColorBy(s.Show(elements, view, Ambient=0.15, NonlinearSubdivisionLevel=4, **look),
+              ('POINTS', None))
+save('NURBSValidity')
 
 show(s.NURBSExtractPatches(Input=tube, PatchIds=[1]), Representation='NURBS Solid With Edges',
      EdgeColor=[0, 0, 0.2], LineWidth=1.5)
@@ -110,8 +123,7 @@ EDGES = {'Representation': 'NURBS Solid With Edges', 'EdgeColor': [0, 0, 0.2], '
 def section(*models):
     for model in models:
         s.ColorBy(s.Show(model, view, Representation='NURBS Solid', LineWidth=5,
-                         DiffuseColor=[0.75, 0.15, 0.1], AmbientColor=[0.75, 0.15, 0.1],
-                         Ambient=0.3), ('POINTS', None))
+                         DiffuseColor=RED, AmbientColor=RED, Ambient=0.3), ('POINTS', None))
 
 
 for index, shape in enumerate(('Sphere', 'Tube', 'Wedge', 'Torus')):
