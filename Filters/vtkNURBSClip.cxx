@@ -33,8 +33,7 @@
 VTK_ABI_NAMESPACE_BEGIN
 vtkStandardNewMacro(vtkNURBSClip);
 
-/// What depends on patches and on which attributes have tolerances, in the
-/// order of the model.
+/// What depends on patches and on which attributes have tolerances, in the order of the model.
 struct vtkNURBSClip::KeptBends
 {
   std::vector<std::shared_ptr<hyperpatch::BendBounds>> OfPatch;

@@ -1,38 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class vtkNURBSClip
- * @brief The part of exact spline volumes on one side of a plane, sphere, box
- * or isovalue.
+ * @brief The part of exact spline volumes on one side of a plane, sphere, box or isovalue.
  *
- * What vtkTableBasedClipDataSet does with cells, done with the splines
- * themselves: a conforming mesh of one side of a function or of an isovalue, to
- * the tolerances. Points of the cut lie on the plane (to 1e-12 of the model's
- * size), sphere or isosurface, and all points lie on the spline and carry the
- * exact values of all attributes there.
+ * What vtkTableBasedClipDataSet does with cells, done with the splines themselves: a conforming
+ * mesh of one side of a function or of an isovalue, to the tolerances. Points of the cut lie on the
+ * plane (to 1e-12 of the model's size), sphere or isosurface, and all points lie on the spline and
+ * carry the exact values of all attributes there.
  *
- * Input: see vtkNURBSAlgorithm. Output: vtkUnstructuredGrid of tetrahedra of
- * positive volume (volumes), triangles (surfaces) or lines (curves) with the
- * arrays of vtkNURBSMeshAlgorithm but Normals. Field data, one number each:
- * - `CertifiedCells`: cells at the cut, before they are cut, in which it is
- * proven to be one sheet
- * - `UndecidedCells`: those in which a zero can neither be excluded nor be
- * proven to be a simple sheet; no wider than the tolerance unless the limit of
- * refinement came first
- * - `LargestResidual`: of |f| at points of the cut, relative to |f| at the ends
- * of the edges there
+ * Input: see vtkNURBSAlgorithm. Output: vtkUnstructuredGrid of tetrahedra of positive volume
+ * (volumes), triangles (surfaces) or lines (curves) with the arrays of vtkNURBSMeshAlgorithm but
+ * Normals. Field data, one number each:
+ * - `CertifiedCells`: cells at the cut, before they are cut, in which it is proven to be one sheet
+ * - `UndecidedCells`: those in which a zero can neither be excluded nor be proven to be a simple
+ *   sheet; no wider than the tolerance unless the limit of refinement came first
+ * - `LargestResidual`: of |f| at points of the cut, relative to |f| at the ends of the edges there
  * - `LargestError`: distance from the exact geometry, bounded or measured, and measured distance
  *   from the exact cut
  * - `OpenFacesOnInterfaces`: faces of one tetrahedron only, on interfaces between patches
  * - `ToleranceReached`: 0 where the limit of refinement came first (a warning says so too)
  * In a parallel run all processes have the numbers of the whole.
  *
- * With a function (ClipFunction): planes, spheres, cylinders, quadrics and
- * boxes (also transformed by an affine transform) are exact polynomials; any
- * other function is sampled in every cell at the cut, and these count as
- * undecided. Without one, by an attribute, a coordinate, a parametric
- * coordinate or det J (ClipBy), at Value; the attribute is chosen with
- * SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS,
- * name), and patches without it are left out.
+ * With a function (ClipFunction): planes, spheres, cylinders, quadrics and boxes (also transformed
+ * by an affine transform) are exact polynomials; any other function is sampled in every cell at the
+ * cut, and these count as undecided. Without one, by an attribute, a coordinate, a parametric
+ * coordinate or det J (ClipBy), at Value; the attribute is chosen with SetInputArrayToProcess(0, 0,
+ * 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, name), and patches without it are left out.
  *
  * The mesh is conforming in a patch, and where patches of a process meet at an interface on which
  * geometry and field agree to 1e-6 of the extent of the model and of the range of the field: both
@@ -47,8 +40,8 @@
  * change. Not more than about 5 million cells of a patch are refined further: then a warning says
  * that a tolerance was not reached.
  *
- * References: Labelle & Shewchuk, Isosurface stuffing, SIGGRAPH 2007, for points near the cut;
- * De Loera, Rambau & Santos, Triangulations, 2010, section 4.3.2, for the division of elements.
+ * References: Labelle & Shewchuk, Isosurface stuffing, SIGGRAPH 2007, for points near the cut; De
+ * Loera, Rambau & Santos, Triangulations, 2010, section 4.3.2, for the division of elements.
  *
  * @code{.cpp}
  * vtkNew<vtkSphere> sphere;
@@ -99,9 +92,9 @@ public:
 
   ///@{
   /**
-   * What clips where there is no function: an attribute (the default), a
-   * coordinate, a parametric coordinate (in the patch's own knots), or the
-   * determinant of the derivatives of the coordinates by the parameters.
+   * What clips where there is no function: an attribute (the default), a coordinate, a parametric
+   * coordinate (in the patch's own knots), or the determinant of the derivatives of the coordinates
+   * by the parameters.
    */
   vtkSetClampMacro(ClipBy, int, ATTRIBUTE, JACOBIAN_DETERMINANT);
   vtkGetMacro(ClipBy, int);
@@ -109,8 +102,8 @@ public:
 
   ///@{
   /**
-   * The component of the attribute or coordinates, from 0; -1 is the magnitude,
-   * which parametric coordinates do not have. Default 0.
+   * The component of the attribute or coordinates, from 0; -1 is the magnitude, which parametric
+   * coordinates do not have. Default 0.
    */
   vtkSetMacro(Component, int);
   vtkGetMacro(Component, int);
@@ -126,8 +119,8 @@ public:
 
   ///@{
   /**
-   * Whether the side of smaller values is kept (on, the default: behind a
-   * plane, inside a sphere or box) or that of larger ones.
+   * Whether the side of smaller values is kept (on, the default: behind a plane, inside a sphere or
+   * box) or that of larger ones.
    */
   vtkSetMacro(Invert, bool);
   vtkGetMacro(Invert, bool);

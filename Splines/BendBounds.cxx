@@ -106,4 +106,4 @@ void BendBounds::Find(const std::vector<int>& elements, const std::vector<double
     });
 }
 
-} // namespace hyperpatch
+}

@@ -14,16 +14,14 @@
 namespace hyperpatch
 {
 
-/// How much the geometry and attributes of a patch bend in its elements, the
-/// cells of all their breaks: bounds of second derivatives, from the convex
-/// hull property (ChordBound). Found for the elements that are asked for, and
-/// kept.
+/// How much the geometry and attributes of a patch bend in its elements, the cells of all their
+/// breaks: bounds of second derivatives, from the convex hull property (ChordBound). Found for the
+/// elements that are asked for, and kept.
 class BendBounds
 {
 public:
-  /// Bounds of |f_uu|, |f_uv|, |f_uw|, |f_vv|, |f_vw|, |f_ww|, parameters of
-  /// the element from 0 to 1, and f the position or one component of an
-  /// attribute.
+  /// Bounds of |f_uu|, |f_uv|, |f_uw|, |f_vv|, |f_vw|, |f_ww|, parameters of the element from 0 to
+  /// 1, and f the position or one component of an attribute.
   using Bend = std::array<double, 6>;
 
   /// Keeps a reference to the aggregate, which must outlive it.
@@ -32,8 +30,7 @@ public:
   BendBounds(const Aggregate& body, std::vector<bool> isMeasured,
     const std::array<std::vector<double>, 3>& more = {});
 
-  /// Whether the other one has the same elements and attributes, of the same
-  /// aggregate.
+  /// Whether the other one has the same elements and attributes, of the same aggregate.
   [[nodiscard]] bool IsLike(const BendBounds& other) const
   {
     bool isLike = this->Body == other.Body && this->IsMeasured == other.IsMeasured;
@@ -45,14 +42,12 @@ public:
   }
 
   [[nodiscard]] const std::array<ElementAxis, 3>& Axes() const { return this->A; }
-  /// Of an element: the position, and every component of the attributes that
-  /// take part.
+  /// Of an element: the position, and every component of the attributes that take part.
   [[nodiscard]] std::size_t NumberOfBends() const { return this->Count; }
 
-  /// Finds what is not known yet. Bounds are tightened where linear
-  /// interpolation on the element is not certainly within the tolerance. \param
-  /// elements their numbers, u fastest; none twice \param tolerances one per
-  /// bend
+  /// Finds what is not known yet. Bounds are tightened where linear interpolation on the element is
+  /// not certainly within the tolerance. \param elements their numbers, u fastest; none twice
+  /// \param tolerances one per bend
   void Find(const std::vector<int>& elements, const std::vector<double>& tolerances,
     const ParallelFor& parallel);
 
@@ -63,8 +58,7 @@ public:
       static_cast<std::size_t>(this->Slots[static_cast<std::size_t>(element)])];
   }
 
-  /// A bound of the error of linear interpolation on simplices inside a box of
-  /// these widths.
+  /// A bound of the error of linear interpolation on simplices inside a box of these widths.
   [[nodiscard]] static double LinearError(const Bend& bend, const std::array<double, 3>& widths)
   {
     const auto& [u, v, w] = widths;
@@ -83,6 +77,6 @@ private:
   std::vector<Bend> Bends;
 };
 
-} // namespace hyperpatch
+}
 
 #endif

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which elements of a patch take part in a clip, and how their simplices are
-// refined.
+// Which elements of a patch take part in a clip, and how their simplices are refined.
 #include "Clip.h"
 
 #include "ClipWorker.h"
@@ -543,7 +542,7 @@ unsigned char WorstEdges(const std::array<double, 6>& errors, int count, double 
   return bits;
 }
 
-} // namespace
+}
 
 unsigned char ClipWorker::Plan(const Cell& cell) const
 {
@@ -733,4 +732,4 @@ bool ClipWorker::Halve()
   return true;
 }
 
-} // namespace hyperpatch
+}

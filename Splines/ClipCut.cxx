@@ -17,8 +17,7 @@ bool ClipWorker::BeginCut()
   const int dimension = this->Simplices->Dimension();
   const auto& cells = this->Simplices->Cells();
   this->P.emplace(this->M.Body, this->M.Fields, dimension);
-  // Cells that are not decided, and those around them: their corners may be
-  // moved.
+  // Cells that are not decided, and those around them: their corners may be moved.
   const auto nodes = static_cast<std::size_t>(this->Simplices->NumberOfNodes());
   std::vector<char> isNear(nodes, 0);
   for (const Cell& cell : cells)
@@ -264,8 +263,7 @@ bool ClipWorker::Assemble()
 
 std::vector<ClipWorker::Facet> ClipWorker::CutFacets() const
 {
-  // The facets of one cell alone that lie on a zero set, but for those in a
-  // side of the patch.
+  // The facets of one cell alone that lie on a zero set, but for those in a side of the patch.
   const int dimension = this->Simplices->Dimension();
   const int m = this->M.Body->Geometry()->Spline().Components();
   struct Corners
@@ -368,4 +366,4 @@ std::vector<ClipWorker::Facet> ClipWorker::CutFacets() const
   return facets;
 }
 
-} // namespace hyperpatch
+}

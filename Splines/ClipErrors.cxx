@@ -13,10 +13,9 @@ namespace hyperpatch
 namespace
 {
 
-/// The largest error of linear interpolation of something quadratic in a
-/// simplex, from those at the middles of its edges (in the order of
-/// SimplexRefinement::Edges): there, or in the middle of a face, or in that of
-/// the simplex.
+/// The largest error of linear interpolation of something quadratic in a simplex, from those at the
+/// middles of its edges (in the order of SimplexRefinement::Edges): there, or in the middle of a
+/// face, or in that of the simplex.
 template <typename Vector, typename Norm>
 double LargestError(const Vector* edges, int dimension, const Norm& norm)
 {
@@ -43,7 +42,7 @@ double LargestError(const Vector* edges, int dimension, const Norm& norm)
   return largest;
 }
 
-} // namespace
+}
 
 void ClipWorker::Error::Add(double largest, const std::array<double, 6>& edges)
 {
@@ -165,11 +164,10 @@ ClipWorker::Error ClipWorker::AttributeError(const Cell& cell) const
 
 ClipWorker::Error ClipWorker::CutError(const Cell& cell, std::size_t field) const
 {
-  // At a point of the interpolant's zero set, f is the error e of interpolating
-  // f, but for what the point in space is off by: its distance from f = 0 is
-  // |s| / |g| to first order, with s = e - g . (error of the position) and the
-  // gradient g of the interpolant in space. s is 0 at corners and taken for
-  // quadratic.
+  // At a point of the interpolant's zero set, f is the error e of interpolating f, but for what
+  // the point in space is off by: its distance from f = 0 is |s| / |g| to first order, with s = e -
+  // g . (error of the position) and the gradient g of the interpolant in space. s is 0 at corners
+  // and taken for quadratic.
   const int dimension = this->Simplices->Dimension();
   const int edges = SimplexRefinement::NumberOfEdges(dimension);
   const std::vector<double>& values = this->Values[field];
@@ -239,4 +237,4 @@ ClipWorker::Error ClipWorker::CutError(const Cell& cell, std::size_t field) cons
   return { std::isnan(error) ? 0.0 : error, magnitudes };
 }
 
-} // namespace hyperpatch
+}

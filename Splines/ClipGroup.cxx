@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Patches that are clipped together: what they have in common is agreed on
-// between steps.
+// Patches that are clipped together: what they have in common is agreed on between steps.
 #include "ClipWorker.h"
 
 #include <Eigen/Dense>
@@ -21,8 +20,7 @@ namespace hyperpatch
 namespace
 {
 
-/// Fewer members than that: the loops inside each use the threads. More: they
-/// are dealt out whole.
+/// Fewer members than that: the loops inside each use the threads. More: they are dealt out whole.
 constexpr std::size_t FewMembers = 8;
 
 /// Places in [0, 1] at which both sides of an interface are compared.
@@ -31,8 +29,7 @@ constexpr std::array<double, 5> Places{ 0.0, 0.21, 0.5, 0.79, 1.0 };
 /// Breaks nearer than this part of the domain are the same.
 constexpr double SameBreak = 1e-6;
 
-/// An interface between members. Direction d of the first runs along
-/// Direction[d] of the second.
+/// An interface between members. Direction d of the first runs along Direction[d] of the second.
 struct Joint
 {
   std::array<std::size_t, 2> Members;
@@ -41,8 +38,8 @@ struct Joint
   std::array<bool, 3> Same;
 };
 
-/// Which points (or nodes) of the members are the same: pairs on joints, and
-/// the classes that they make.
+/// Which points (or nodes) of the members are the same: pairs on joints, and the classes that they
+/// make.
 class Seams
 {
 public:
@@ -88,8 +85,7 @@ public:
   {
     return this->Seen[joint][side];
   }
-  /// Calls visit(member, point, leading member, its point, number of the
-  /// class).
+  /// Calls visit(member, point, leading member, its point, number of the class).
   template <typename Visit>
   void ForAll(const Visit& visit)
   {
@@ -140,7 +136,7 @@ std::vector<double> Scaled(const std::vector<double>& breaks)
   return scaled;
 }
 
-} // namespace
+}
 
 class ClipGroup::Worker
 {
@@ -773,4 +769,4 @@ ClipMesh Clip(const Patch& patch, std::shared_ptr<const PreparedAggregate> body,
   return group.Extract() ? std::move(group.Mesh(0)) : ClipMesh{};
 }
 
-} // namespace hyperpatch
+}

@@ -20,8 +20,7 @@
 namespace hyperpatch
 {
 
-/// One patch of a ClipGroup. Steps return false if aborted. Private to
-/// Clip*.cxx.
+/// One patch of a ClipGroup. Steps return false if aborted. Private to Clip*.cxx.
 class ClipWorker
 {
 public:
@@ -29,8 +28,7 @@ public:
 
   // Clip.cxx: simplices are refined.
 
-  /// Finds the elements that may have to be kept, and the nodes at their
-  /// corners.
+  /// Finds the elements that may have to be kept, and the nodes at their corners.
   bool Begin();
   /// Evaluates new nodes.
   bool Evaluate();
@@ -38,8 +36,8 @@ public:
   /// Marks edges of new cells that have to be halved.
   bool Mark();
   bool Halve();
-  /// Marks edges of cells with a cut that misses the tolerance, or of which the
-  /// curvature of the geometry turned parts over.
+  /// Marks edges of cells with a cut that misses the tolerance, or of which the curvature of the
+  /// geometry turned parts over.
   bool MarkBadCuts();
 
   // ClipCut.cxx: they are cut.
@@ -60,8 +58,8 @@ public:
   {
     return this->Points[static_cast<std::size_t>(node)];
   }
-  /// A point on an interface is that of one of the sides; the number decides
-  /// between points that coincide, and is the same on both sides.
+  /// A point on an interface is that of one of the sides; the number decides between points that
+  /// coincide, and is the same on both sides.
   void SetPoint(int node, const Eigen::Vector3d& x, std::int64_t number);
   /// Nodes in the middle of edges to be halved.
   [[nodiscard]] const std::vector<int>& Marked() const { return this->MarkedNodes; }
@@ -81,8 +79,7 @@ private:
     Sheet, ///< the zero set is certainly one sheet
     Lost   ///< nothing, and smaller boxes will not tell more
   };
-  /// Where a cell certainly lies (or where samples say so, of a field without
-  /// bounds).
+  /// Where a cell certainly lies (or where samples say so, of a field without bounds).
   enum class Side : unsigned
   {
     Unknown,
@@ -108,14 +105,12 @@ private:
   /// Also by the values at corners.
   [[nodiscard]] bool IsDroppedByCorners(const Cell& cell) const;
 
-  /// The box of elements [first, last) and those in it, unless all are on the
-  /// other side.
+  /// The box of elements [first, last) and those in it, unless all are on the other side.
   bool AddElements(const std::array<int, 3>& first, const std::array<int, 3>& last, unsigned state);
   bool EvaluateValues();
   /// Asks for the values at nodes of cells that are not decided.
   void WantValues(const Cell& cell);
-  /// The verdict in the last box: cells that have it in common come one after
-  /// the other.
+  /// The verdict in the last box: cells that have it in common come one after the other.
   struct Decision
   {
     ParameterBox Box;
@@ -126,8 +121,8 @@ private:
   void Decide(Cell& cell, std::size_t field, std::optional<Decision>& last) const;
   bool DropCells();
 
-  /// Errors of linear interpolation in a cell by their tolerances, the largest
-  /// and those at the middles of edges.
+  /// Errors of linear interpolation in a cell by their tolerances, the largest and those at the
+  /// middles of edges.
   struct Error
   {
     double Largest = 0.0;
@@ -185,8 +180,7 @@ private:
     }
     return vanishes;
   }
-  /// What has to be done with a new cell: edges to be halved, one bit each, or
-  /// Measure.
+  /// What has to be done with a new cell: edges to be halved, one bit each, or Measure.
   [[nodiscard]] unsigned char Plan(const Cell& cell) const;
   static constexpr unsigned char Measure = 1 << 7;
   /// The edges of a cell with middles that have to be halved.
@@ -220,11 +214,9 @@ private:
   [[nodiscard]] std::vector<Facet> CutFacets() const;
   void Certify(ZeroSetCertificate& certificate) const;
 
-  /// The share of a tolerance that is aimed at: it is measured at a few points
-  /// only.
+  /// The share of a tolerance that is aimed at: it is measured at a few points only.
   static constexpr double Target = 0.85;
-  /// Cells of a field without bounds are this share of the patch's diagonal at
-  /// most.
+  /// Cells of a field without bounds are this share of the patch's diagonal at most.
   static constexpr int SampledDivisions = 16;
   static constexpr std::ptrdiff_t Grain = 128;
   /// Cells between two questions whether to abort.
@@ -263,6 +255,6 @@ private:
   std::vector<char> IsShared; ///< per node: on an interface
 };
 
-} // namespace hyperpatch
+}
 
 #endif

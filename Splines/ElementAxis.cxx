@@ -55,4 +55,4 @@ ElementAxis MakeElementAxis(
   return axis;
 }
 
-} // namespace hyperpatch
+}

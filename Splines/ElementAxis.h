@@ -9,8 +9,8 @@
 namespace hyperpatch
 {
 
-/// The cells of one direction between the common breaks of several splines, in
-/// which each of them is one polynomial.
+/// The cells of one direction between the common breaks of several splines, in which each of them
+/// is one polynomial.
 struct ElementAxis
 {
   std::vector<double> Breaks;
@@ -27,11 +27,11 @@ struct ElementAxis
   [[nodiscard]] int Find(double u) const;
 };
 
-/// \param splines of the same domain, to 1e-12 of its length; that of the first
-/// is taken \param more parameters at which to divide besides
+/// \param splines of the same domain, to 1e-12 of its length; that of the first is taken \param
+/// more parameters at which to divide besides
 [[nodiscard]] ElementAxis MakeElementAxis(
   const std::vector<const Spline*>& splines, int direction, const std::vector<double>& more = {});
 
-} // namespace hyperpatch
+}
 
 #endif

@@ -27,7 +27,7 @@ bool IsBefore(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
   return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
 }
 
-} // namespace
+}
 
 SimplexCut::SimplexCut(std::shared_ptr<const PreparedAggregate> body,
   std::vector<std::shared_ptr<const ScalarField>> fields, int dimension)
@@ -273,8 +273,7 @@ void SimplexCut::FindRoots(
   parallel(static_cast<std::ptrdiff_t>(edges.size()), Grain,
     [&](std::ptrdiff_t begin, std::ptrdiff_t end)
     {
-      // All edges of the chunk step by step, so that they are evaluated
-      // together.
+      // All edges of the chunk step by step, so that they are evaluated together.
       struct Bracket
       {
         double Low = 0.0, High = 1.0; ///< places on the edge
@@ -297,8 +296,7 @@ void SimplexCut::FindRoots(
         const auto& edge = edges[static_cast<std::size_t>(begin) + k];
         const Eigen::Vector3d& a = this->U[static_cast<std::size_t>(edge[0])];
         const Eigen::Vector3d& b = this->U[static_cast<std::size_t>(edge[1])];
-        // Equal coordinates stay what they are: faces of the domain, knot
-        // planes.
+        // Equal coordinates stay what they are: faces of the domain, knot planes.
         return (a.array() == b.array()).select(a, a + t * (b - a));
       };
       std::vector<std::size_t> open(brackets.size());
@@ -311,8 +309,7 @@ void SimplexCut::FindRoots(
         for (const std::size_t k : open)
         {
           Bracket& b = brackets[k];
-          // False position with halved weights (the Illinois method); now and
-          // then the middle.
+          // False position with halved weights (the Illinois method); now and then the middle.
           b.Try = step % 4 == 3 ? 0.5 * (b.Low + b.High)
                                 : b.Low + (b.High - b.Low) * (b.AtLow / (b.AtLow - b.AtHigh));
           b.Try = std::min(std::max(b.Try, b.Low), b.High);
@@ -442,4 +439,4 @@ void SimplexCut::Correct(unsigned on, const std::array<bool, 3>& isFree, Eigen::
   }
 }
 
-} // namespace hyperpatch
+}

@@ -19,21 +19,18 @@
 namespace hyperpatch
 {
 
-/// Simplices over the parameter domain of a patch (points, segments, triangles
-/// or tetrahedra) that are cut along the zero sets of fields, one field after
-/// the other.
+/// Simplices over the parameter domain of a patch (points, segments, triangles or tetrahedra) that
+/// are cut along the zero sets of fields, one field after the other.
 ///
-/// Which side a simplex is on is read off its corners: it must be small enough
-/// for that. New points lie on edges, where the field is 0 to round-off; on an
-/// edge that lies on the zero sets of earlier fields they stay on those too, so
-/// that the line in which two zero sets meet is met by both. A simplex is
-/// bisected at its new points in an order that depends on the points alone:
-/// simplices that share a face cut it alike, and what was conforming stays so.
-/// Orientations stay.
+/// Which side a simplex is on is read off its corners: it must be small enough for that. New points
+/// lie on edges, where the field is 0 to round-off; on an edge that lies on the zero sets of
+/// earlier fields they stay on those too, so that the line in which two zero sets meet is met by
+/// both. A simplex is bisected at its new points in an order that depends on the points alone:
+/// simplices that share a face cut it alike, and what was conforming stays so. Orientations stay.
 ///
-/// Points from which the zero set is nearer than a quarter of their shortest
-/// edge may be moved onto it along an edge instead, so that no thin parts are
-/// cut off (Labelle & Shewchuk, Isosurface stuffing, SIGGRAPH 2007).
+/// Points from which the zero set is nearer than a quarter of their shortest edge may be moved onto
+/// it along an edge instead, so that no thin parts are cut off (Labelle & Shewchuk, Isosurface
+/// stuffing, SIGGRAPH 2007).
 class SimplexCut
 {
 public:
@@ -56,24 +53,22 @@ public:
 
   /// \param point physical
   /// \param on bit k: the point lies on the zero set of field k
-  /// \param fixed bit d: parameter d must stay if the point is moved;
-  /// Immovable: it may not be
+  /// \param fixed bit d: parameter d must stay if the point is moved; Immovable: it may not be
   Index AddPoint(const Eigen::Vector3d& parameter, const Eigen::Vector3d& point, unsigned on = 0,
     unsigned fixed = Immovable);
   static constexpr unsigned Immovable = 8;
   void AddCell(const Cell& cell) { this->C.push_back(cell); }
 
-  /// Cuts all cells along the zero set of a field. Those that lose their
-  /// extent, since all points lie on it now, are left out. \param keepOutside
-  /// whether to keep the parts where the field is positive \returns false if
-  /// aborted
+  /// Cuts all cells along the zero set of a field. Those that lose their extent, since all points
+  /// lie on it now, are left out.
+  /// \param keepOutside whether to keep the parts where the field is positive
+  /// \returns false if aborted
   bool Cut(
     int field, bool keepOutside, const ParallelFor& parallel, const std::function<bool()>& abort);
 
   ///@{
-  /// The steps of Cut(), between which points and values may be changed, so
-  /// that simplices of several objects are cut alike where they meet. False if
-  /// aborted.
+  /// The steps of Cut(), between which points and values may be changed, so that simplices of
+  /// several objects are cut alike where they meet. False if aborted.
   bool FindValues(int field, const ParallelFor& parallel, const std::function<bool()>& abort);
   bool FindPoints(const ParallelFor& parallel, const std::function<bool()>& abort);
   bool Split(bool keepOutside, const std::function<bool()>& abort);
@@ -104,11 +99,9 @@ public:
   [[nodiscard]] const std::vector<Eigen::Vector3d>& Points() const { return this->X; }
   /// Per point, bit k: it lies on the zero set of field k.
   [[nodiscard]] const std::vector<unsigned>& On() const { return this->OnField; }
-  /// The points that a new point lies between, those of the caller: twice
-  /// itself.
+  /// The points that a new point lies between, those of the caller: twice itself.
   [[nodiscard]] const std::vector<std::array<Index, 2>>& Between() const { return this->Ends; }
-  /// The largest |f| left at a new point, relative to |f| at the ends of its
-  /// edge.
+  /// The largest |f| left at a new point, relative to |f| at the ends of its edge.
   [[nodiscard]] double LargestResidual() const { return this->Residual; }
 
 private:
@@ -160,6 +153,6 @@ private:
   Numbering CutEdges; ///< by their points, in the order of the new points
 };
 
-} // namespace hyperpatch
+}
 
 #endif

@@ -16,7 +16,7 @@ namespace
 /// Cells between two questions whether to abort.
 constexpr std::size_t Step = 1 << 14;
 
-} // namespace
+}
 
 SimplexRefinement::SimplexRefinement(const std::array<std::vector<double>, 3>& lines,
   const std::array<bool, 3>& isThere, const std::vector<int>& roots)
@@ -96,8 +96,8 @@ bool SimplexRefinement::Triangulate(const std::vector<int>& roots,
 void SimplexRefinement::AddSimplices(const std::vector<std::pair<std::array<int, 3>, int>>& corners,
   std::array<int, 4>& chain, int depth, const Before& isBefore, const Cell& like)
 {
-  // The first corner, and the simplices of the faces that it does not belong to
-  // (De Loera, Rambau & Santos, Triangulations, 2010, section 4.3.2: pulling).
+  // The first corner, and the simplices of the faces that it does not belong to (De Loera, Rambau &
+  // Santos, Triangulations, 2010, section 4.3.2: pulling).
   const auto first = std::min_element(corners.begin(), corners.end(),
     [&isBefore](const auto& a, const auto& b) { return isBefore(a.second, b.second); });
   chain[static_cast<std::size_t>(depth)] = first->second;
@@ -250,4 +250,4 @@ bool SimplexRefinement::Refine(const std::vector<char>& isHalved, const Before& 
   return true;
 }
 
-} // namespace hyperpatch
+}

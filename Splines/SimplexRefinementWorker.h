@@ -14,21 +14,19 @@
 namespace hyperpatch
 {
 
-/// A conforming mesh of simplices (segments, triangles or tetrahedra) over
-/// cells of a grid of parameters, refined by halving edges: all simplices
-/// around an edge are bisected with it, so that no node hangs, whichever edges
-/// are chosen.
+/// A conforming mesh of simplices (segments, triangles or tetrahedra) over cells of a grid of
+/// parameters, refined by halving edges: all simplices around an edge are bisected with it, so that
+/// no node hangs, whichever edges are chosen.
 ///
-/// Which simplices there are follows from an order of nodes that the caller
-/// gives. Meshes on both sides of a face have the same simplices on it if they
-/// have the same order of its nodes, and the same edges of it are halved.
+/// Which simplices there are follows from an order of nodes that the caller gives. Meshes on both
+/// sides of a face have the same simplices on it if they have the same order of its nodes, and the
+/// same edges of it are halved.
 class SimplexRefinement
 {
 public:
   /// Pairs of corners, in the order of Cell::Middles.
   static constexpr int Edges[6][2] = { { 0, 1 }, { 0, 2 }, { 1, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
-  /// The number of edges of a simplex of that dimension; they come first in
-  /// Edges.
+  /// The number of edges of a simplex of that dimension; they come first in Edges.
   [[nodiscard]] static int NumberOfEdges(int dimension) { return dimension * (dimension + 1) / 2; }
 
   /// Nodes are corners of simplices and middles of their edges.
@@ -48,10 +46,9 @@ public:
   SimplexRefinement(const std::array<std::vector<double>, 3>& lines,
     const std::array<bool, 3>& isThere, const std::vector<int>& roots);
 
-  /// Divides the grid cells; there is no simplex before. Every face of the grid
-  /// gets the diagonals from its first node in the order. The corners of
-  /// simplices have positive orientation in the parameters. \returns false if
-  /// aborted
+  /// Divides the grid cells; there is no simplex before. Every face of the grid gets the diagonals
+  /// from its first node in the order. The corners of simplices have positive orientation in the
+  /// parameters. \returns false if aborted
   bool Triangulate(const std::vector<int>& roots, const std::vector<unsigned>& states,
     const Before& isBefore, const Abort& abort);
 
@@ -68,8 +65,7 @@ public:
   {
     return this->SideBits[static_cast<std::size_t>(node)];
   }
-  /// The nodes that one lies in the middle of; -1 twice if it is one of the
-  /// grid.
+  /// The nodes that one lies in the middle of; -1 twice if it is one of the grid.
   [[nodiscard]] const std::array<int, 2>& Ends(int node) const
   {
     return this->EndsOf[static_cast<std::size_t>(node)];
@@ -91,8 +87,8 @@ public:
 
   /// Halves edges, the first ones in the order of their middles first.
   /// \param isHalved per node, whether it is the middle of an edge to be halved
-  /// \param isNew per cell, set: those that were bisected, in their old places
-  /// and at the end \returns false if aborted
+  /// \param isNew per cell, set: those that were bisected, in their old places and at the end
+  /// \returns false if aborted
   bool Refine(const std::vector<char>& isHalved, const Before& isBefore, std::vector<char>& isNew,
     const Abort& abort);
 
@@ -113,6 +109,6 @@ private:
   std::vector<int> MiddleNode;
 };
 
-} // namespace hyperpatch
+}
 
 #endif

@@ -25,23 +25,20 @@ namespace
 
 using Id = std::int64_t;
 
-// The share of the tolerance that the points of an element's edge may use. The
-// strip beside the edge needs the rest (see StripWidth).
+// The share of the tolerance that the points of an element's edge may use. The strip beside the
+// edge needs the rest (see StripWidth).
 constexpr double EdgeShare = 0.75;
-// The share of the inner row in a strip beside an edge that is coarser than the
-// row.
+// The share of the inner row in a strip beside an edge that is coarser than the row.
 constexpr double RowShare = 0.4;
 // Keeps counts from flipping by round-off.
 constexpr double Slack = 1e-9;
-// How often pieces are halved to tighten their bounds: along edges, on faces,
-// in volumes.
+// How often pieces are halved to tighten their bounds: along edges, on faces, in volumes.
 constexpr int Halvings[3] = { 2, 2, 1 };
 // Below this part of the size of the coordinates, points coincide.
 constexpr double Coincident = 1e-14;
 
-/// How much a piece of a field bends, in its own tolerances: linear
-/// interpolation on a parameter triangle with legs h_u, h_v is within the
-/// tolerance if h_u^2 UU + 2 h_u h_v UV + h_v^2 VV <= 1.
+/// How much a piece of a field bends, in its own tolerances: linear interpolation on a parameter
+/// triangle with legs h_u, h_v is within the tolerance if h_u^2 UU + 2 h_u h_v UV + h_v^2 VV <= 1.
 struct Bend
 {
   double UU = 0.0;
@@ -53,8 +50,8 @@ struct Bend
   {
     return hu * hu * this->UU + 2.0 * hu * hv * this->UV + hv * hv * this->VV <= 1.0 + Slack;
   }
-  /// The largest h_v for this h_u and a right side of `budget` (left of which
-  /// h_u^2 UU is taken already); 0 if there is none.
+  /// The largest h_v for this h_u and a right side of `budget` (left of which h_u^2 UU is taken
+  /// already); 0 if there is none.
   [[nodiscard]] double Height(double hu, double budget) const
   {
     if (budget <= 0.0)
@@ -67,8 +64,7 @@ struct Bend
   }
 };
 
-/// The edge curve of an element: its bend, and whether the field does not
-/// change along it.
+/// The edge curve of an element: its bend, and whether the field does not change along it.
 struct EdgeBend
 {
   double UU = 0.0;
@@ -82,8 +78,7 @@ int Count(double segments, int maximum, bool& limited)
   return static_cast<int>(std::clamp(count, 1.0, static_cast<double>(maximum)));
 }
 
-/// Geometry and attributes of a volume, face or curve, and the fields whose
-/// error is bounded.
+/// Geometry and attributes of a volume, face or curve, and the fields whose error is bounded.
 struct Domain
 {
   /// A spline of which one or more fields are bounded.
@@ -145,8 +140,7 @@ struct Domain
     BezierExtractor(spline).Extract(spans, low, high, points);
   }
 
-  /// Bends of an edge curve, from its Bezier points; writes one per bound of
-  /// the field.
+  /// Bends of an edge curve, from its Bezier points; writes one per bound of the field.
   void BoundEdge(
     const Measured& field, const Eigen::MatrixXd& points, ChordBound& bound, EdgeBend* bends) const
   {
@@ -185,19 +179,16 @@ void Check(const Patch& patch, int handedness, const TessellationOptions& option
   }
 }
 
-/// The widest step in the second direction of a strip beside an element's edge
-/// so that its triangles are within the tolerance. Merging by midpoints makes
-/// no triangle wider than the larger of the edge's step and the row's; call
-/// that H.
+/// The widest step in the second direction of a strip beside an element's edge so that its
+/// triangles are within the tolerance. Merging by midpoints makes no triangle wider than the larger
+/// of the edge's step and the row's; call that H.
 ///
-/// (1) The bound of the whole element on H x width, if that is enough. (2)
-/// Otherwise the edge may be coarse because the field bends less there: split f
-/// into the edge curve E(u), whose error is at most e = H^2 E_uu, and the rest,
-/// which vanishes on the edge; with r = 2 H width UV + width^2 VV, triangles
-/// that stand on the edge are wrong by at most e + r, those that stand on the
-/// row by at most s i + 4 s (1 - s) (e + r) at height s, where i = row^2 UU is
-/// the error of the row. The largest value of that is at most 1 if e + r <= (1
-/// - i/2 + sqrt(1 - i)) / 2.
+/// (1) The bound of the whole element on H x width, if that is enough. (2) Otherwise the edge may
+/// be coarse because the field bends less there: split f into the edge curve E(u), whose error is
+/// at most e = H^2 E_uu, and the rest, which vanishes on the edge; with r = 2 H width UV + width^2
+/// VV, triangles that stand on the edge are wrong by at most e + r, those that stand on the row by
+/// at most s i + 4 s (1 - s) (e + r) at height s, where i = row^2 UU is the error of the row. The
+/// largest value of that is at most 1 if e + r <= (1 - i/2 + sqrt(1 - i)) / 2.
 double StripWidth(const Bend& bend, const EdgeBend& edge, double edgeStep, double rowStep)
 {
   // All points of a collapsed edge are the same one: it is as fine as the row.
@@ -212,9 +203,8 @@ double StripWidth(const Bend& bend, const EdgeBend& edge, double edgeStep, doubl
   return std::max(direct, bend.Height(step, budget - step * step * edge.UU));
 }
 
-/// Equal steps for the inside of an element: the fewest segments, near enough,
-/// so that all fields fit. Treats both directions alike, so that a neighbour
-/// with u and v exchanged agrees.
+/// Equal steps for the inside of an element: the fewest segments, near enough, so that all fields
+/// fit. Treats both directions alike, so that a neighbour with u and v exchanged agrees.
 std::array<int, 2> InnerSegments(const Bend* bends, std::size_t count, int maximum, bool& limited)
 {
   Bend most;
@@ -243,8 +233,7 @@ std::array<int, 2> InnerSegments(const Bend* bends, std::size_t count, int maxim
   }
   for (std::size_t d = 0; d < 2; ++d)
   {
-    // Where one direction needs no subdivision the other may use all of the
-    // tolerance.
+    // Where one direction needs no subdivision the other may use all of the tolerance.
     if (h[d] == 1.0 && h[1 - d] < 1.0)
     {
       double height = 1.0;
@@ -281,8 +270,7 @@ std::array<int, 2> InnerSegments(const Bend* bends, std::size_t count, int maxim
   }
 }
 
-/// Points of the inner grid of an element in one direction, at t = First ..
-/// Last of the element.
+/// Points of the inner grid of an element in one direction, at t = First .. Last of the element.
 struct Row
 {
   int Points = 0; ///< 0: no inner grid
@@ -296,8 +284,7 @@ struct Row
   }
 };
 
-/// \param low, high greatest widths of the first and last strip \param step
-/// greatest in between
+/// \param low, high greatest widths of the first and last strip \param step greatest in between
 Row InnerRow(double low, double high, double step, int maximum, bool& limited)
 {
   const double between = 1.0 - low - high;
@@ -311,8 +298,7 @@ Row InnerRow(double low, double high, double step, int maximum, bool& limited)
 
 struct ElementLayout
 {
-  /// 2: inner grid and four strips. 0 or 1: the two edges along u or v are
-  /// merged directly.
+  /// 2: inner grid and four strips. 0 or 1: the two edges along u or v are merged directly.
   int Kind = 2;
   std::array<Row, 2> Rows;
 
@@ -322,10 +308,9 @@ struct ElementLayout
   }
 };
 
-/// Triangulates between two rows of points (along t, `near` on the right of
-/// `far`'s side: counter- clockwise when `far` lies on the left of t) by
-/// merging their midpoints, which makes no triangle wider than the larger step
-/// of the two.
+/// Triangulates between two rows of points (along t, `near` on the right of `far`'s side: counter-
+/// clockwise when `far` lies on the left of t) by merging their midpoints, which makes no triangle
+/// wider than the larger step of the two.
 template <typename Emit>
 void MergeRows(const std::vector<std::pair<double, Id>>& near,
   const std::vector<std::pair<double, Id>>& far, const Emit& emit)
@@ -354,8 +339,8 @@ void MergeRows(const std::vector<std::pair<double, Id>>& near,
 class Face
 {
 public:
-  /// \param outward the sign of P_a x P_b in the normal \param element span of
-  /// the missing direction \param fixed its parameter
+  /// \param outward the sign of P_a x P_b in the normal \param element span of the missing
+  /// direction \param fixed its parameter
   Face(std::vector<Spline> splines, int missing, double fixed, int element, double outward,
     int side, std::array<int, 3> firstSpan, const TessellationOptions& options)
     : D(std::move(splines), options)
@@ -370,8 +355,7 @@ public:
     , Nu(D.Axes[A].Cells())
     , Nv(D.Axes[B].Cells())
   {
-    // The missing direction of the face has one span, which stands for this one
-    // of the volume.
+    // The missing direction of the face has one span, which stands for this one of the volume.
     this->FirstSpan[this->Missing] = element;
   }
 
@@ -391,8 +375,7 @@ public:
   }
 
 private:
-  // Numbering: cells u fastest; corners likewise; edges along u (Nu x (Nv +
-  // 1)), then those along v
+  // Numbering: cells u fastest; corners likewise; edges along u (Nu x (Nv + 1)), then those along v
   // ((Nu + 1) x Nv).
   [[nodiscard]] std::size_t Cell(int i, int j) const
   {
@@ -469,8 +452,7 @@ private:
               }
               this->D.BoundEdge(field, row, bound, this->EdgeBends.data() + id * fields + k);
             };
-            // Each edge once: by the cell that it is the low edge of, or by the
-            // last cell.
+            // Each edge once: by the cell that it is the low edge of, or by the last cell.
             edge(this->EdgeU(i, j), na, 0, 1);
             edge(this->EdgeV(i, j), nb, 0, na);
             if (j + 1 == this->Nv)
@@ -539,8 +521,7 @@ private:
         this->EdgeBends[edges[e] * fields + k], 1.0 / this->EdgeSegments[edges[e]],
         steps[swapped ? 1 : 0]);
     };
-    // A row beside an edge that is too coarse for it must leave the edge a
-    // share.
+    // A row beside an edge that is too coarse for it must leave the edge a share.
     const double before[2] = { steps[0], steps[1] };
     for (std::size_t e = 0; e < 4; ++e)
     {
@@ -846,8 +827,7 @@ private:
     return a.cross(b);
   }
 
-  /// The normal where tangents vanish or are parallel: from a little inside the
-  /// element.
+  /// The normal where tangents vanish or are parallel: from a little inside the element.
   [[nodiscard]] Eigen::Vector3d LimitNormal(
     const Evaluator& evaluator, const Eigen::Vector3d& parameters, double small) const
   {
@@ -1123,7 +1103,7 @@ SurfaceMesh TessellateCurve(const Patch& patch, int along, const TessellationOpt
   return mesh;
 }
 
-} // namespace
+}
 
 void CheckTolerances(
   const Patch& patch, double tolerance, const std::vector<double>& attributeTolerances)
@@ -1203,9 +1183,8 @@ SurfaceMesh TessellateBoundary(
 namespace
 {
 
-/// Segments of every cell along each direction of a volume, so that trilinear
-/// interpolation is within the tolerances: sum of h_d^2 M_dd / 8 in every
-/// element.
+/// Segments of every cell along each direction of a volume, so that trilinear interpolation is
+/// within the tolerances: sum of h_d^2 M_dd / 8 in every element.
 std::array<std::vector<int>, 3> SolidSegments(
   const Domain& domain, const TessellationOptions& options, bool& limited)
 {
@@ -1240,9 +1219,8 @@ std::array<std::vector<int>, 3> SolidSegments(
         }
       }
     });
-  // First what each direction needs by itself; then all layers of an element
-  // are refined together by what it still lacks. Both steps take maxima, so
-  // that no order of elements matters.
+  // First what each direction needs by itself; then all layers of an element are refined together
+  // by what it still lacks. Both steps take maxima, so that no order of elements matters.
   std::array<std::vector<double>, 3> needed;
   for (std::size_t d = 0; d < 3; ++d)
   {
@@ -1312,8 +1290,7 @@ std::vector<Spline> SplinesOf(const Aggregate& body)
 struct SolidGrid
 {
   std::array<std::vector<double>, 3> Lines; ///< ascending parameters
-  /// Per layer between lines: the non-empty knot span of the geometry, counted
-  /// in this part.
+  /// Per layer between lines: the non-empty knot span of the geometry, counted in this part.
   std::array<std::vector<int>, 3> Spans;
   bool LimitReached = false;
 };
@@ -1339,7 +1316,7 @@ SolidGrid MakeGrid(const Domain& domain, const TessellationOptions& options)
   return grid;
 }
 
-} // namespace
+}
 
 SolidMesh TessellateSolid(const Patch& patch, int handedness, const TessellationOptions& options)
 {
@@ -1427,4 +1404,4 @@ SolidMesh TessellateSolid(const Patch& patch, int handedness, const Tessellation
   return mesh;
 }
 
-} // namespace hyperpatch
+}

@@ -118,8 +118,8 @@ double Volume(const Clipped& clipped)
   return volume;
 }
 
-/// All tetrahedra form one conforming mesh: a face belongs to two of them
-/// (equal bit by bit), or lies in the outer boundary, or on the cut.
+/// All tetrahedra form one conforming mesh: a face belongs to two of them (equal bit by bit), or
+/// lies in the outer boundary, or on the cut.
 void ExpectOneMesh(const MultiPatch& model, const Clipped& clipped, const MakeFields& makeFields)
 {
   using Corner = std::array<double, 3>;
@@ -203,7 +203,7 @@ ClipOptions Coarse(double tolerance)
   return options;
 }
 
-} // namespace
+}
 
 TEST(ClipGroup, TwoPatchesInEveryOrientationAreOneMesh)
 {

@@ -157,7 +157,7 @@ void OnRanks(int count, const std::function<void(ZeroSetGroup::Ranks)>& work)
   }
 }
 
-} // namespace
+}
 
 TEST(ZeroSetGroup, TwoPatchesInEveryOrientationGiveOneSphere)
 {
@@ -233,8 +233,7 @@ TEST(ZeroSetGroup, PlanesThroughVerticesEdgesAndFacesOfEightPatchesAreClosed)
     {
       const Drawn drawn = Draw(model, Slice(Plane(normal, middle)), 1e-3);
       const Welded welded = Weld(drawn.Meshes);
-      // The area of the plane in the cube, from the length of its outline in
-      // two dimensions.
+      // The area of the plane in the cube, from the length of its outline in two dimensions.
       const Eigen::Vector3d n = normal.cwiseAbs() / normal.norm();
       if (n.minCoeff() == 0.0)
       {
@@ -252,8 +251,7 @@ TEST(ZeroSetGroup, PlanesThroughVerticesEdgesAndFacesOfEightPatchesAreClosed)
 
 TEST(ZeroSetGroup, PatchesWithSmallGapsCloseEvenWhereSignsDifferOnBothSides)
 {
-  // Control points with eight digits, as files have them, and planes through
-  // the common vertex.
+  // Control points with eight digits, as files have them, and planes through the common vertex.
   std::mt19937 random(21);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int seed = 0; seed < 8; ++seed)
@@ -320,9 +318,8 @@ TEST(ZeroSetGroup, ATouchOnAnInterfaceIsUndecided)
   }
 }
 
-/// A ring about the z axis of inner radius 1 and outer radius 2, closed with
-/// itself: u the radius, v around, w the height; turned by `twist` half turns
-/// of its section on the way.
+/// A ring about the z axis of inner radius 1 and outer radius 2, closed with itself: u the radius,
+/// v around, w the height; turned by `twist` half turns of its section on the way.
 Aggregate Ring(int twist)
 {
   const KnotVector u = KnotVector::Uniform(1, 2);
@@ -382,8 +379,8 @@ TEST(ZeroSetGroup, PrimitivesOfManyPatchesAreClosed)
 
 TEST(ZeroSetGroup, AOneSidedRingIsLeftOpenAndCounted)
 {
-  // Its lines would have to run against themselves. Turned, so that round-off
-  // tells both sides of the seam apart.
+  // Its lines would have to run against themselves. Turned, so that round-off tells both sides of
+  // the seam apart.
   const Aggregate ring = Ring(1);
   const Eigen::Matrix3d turn =
     Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()).toRotationMatrix();

@@ -16,8 +16,8 @@
 namespace models
 {
 
-/// Another parametrisation of the same volume: direction d of the result is
-/// direction from[d] of the spline, run backwards where flipped[d].
+/// Another parametrisation of the same volume: direction d of the result is direction from[d] of
+/// the spline, run backwards where flipped[d].
 struct Turn
 {
   std::array<int, 3> From{ 0, 1, 2 };
@@ -84,8 +84,7 @@ inline Spline Turned(const Spline& spline, const Turn& turn)
   return Spline(knots, points, weights);
 }
 
-/// A curved rational volume about the unit cube, with an attribute of another
-/// basis.
+/// A curved rational volume about the unit cube, with an attribute of another basis.
 inline Aggregate Curved(int seed)
 {
   std::mt19937 random(static_cast<unsigned>(seed));
@@ -104,8 +103,8 @@ inline Aggregate Curved(int seed)
     { { "A", models::RandomSpline(random, { a, a, a }, 1, true) } });
 }
 
-/// The parts of a volume between cuts in the middle of directions, each in a
-/// turned parametrisation, with their interfaces.
+/// The parts of a volume between cuts in the middle of directions, each in a turned
+/// parametrisation, with their interfaces.
 inline MultiPatch Split(
   const Aggregate& whole, std::array<int, 3> pieces, const std::vector<Turn>& turns)
 {
@@ -136,6 +135,6 @@ inline MultiPatch Split(
   return model;
 }
 
-} // namespace models
+}
 
 #endif
