@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ChordBound.h"
 
+#include "Range.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -26,6 +28,7 @@ void Elevate(const Eigen::MatrixXd& points, std::array<int, 3>& degrees, Eigen::
   const Eigen::Index weight = points.rows() - 1;
   raised.setZero(points.rows() + 3, points.cols());
   raised.topRows(points.rows()) = points;
+  const Eigen::Index rows = raised.rows();
   for (std::size_t d = 0; d < 3; ++d)
   {
     if (degrees[d] == 0)
@@ -44,9 +47,13 @@ void Elevate(const Eigen::MatrixXd& points, std::array<int, 3>& degrees, Eigen::
         {
           const double t = static_cast<double>(i) / n;
           const Eigen::Index from = b + stride * (n * a);
-          const auto before = raised.col(from + stride * std::max(i - 1, 0));
-          auto to = scratch.col(b + stride * ((n + 1) * a + i));
-          to = t * before + (1.0 - t) * raised.col(from + stride * std::min(i, n - 1));
+          const double* before = raised.data() + rows * (from + stride * std::max(i - 1, 0));
+          const double* after = raised.data() + rows * (from + stride * std::min(i, n - 1));
+          double* to = scratch.data() + rows * (b + stride * ((n + 1) * a + i));
+          for (Eigen::Index r = 0; r < rows; ++r)
+          {
+            to[r] = t * before[r] + (1.0 - t) * after[r];
+          }
           to[weight + 1 + static_cast<Eigen::Index>(d)] = t * before[weight];
         }
       }
@@ -56,13 +63,65 @@ void Elevate(const Eigen::MatrixXd& points, std::array<int, 3>& degrees, Eigen::
   }
 }
 
+/// Calls body(d) for every coefficient d, of `n` numbers, of a derivative of the first so many rows
+/// of Bezier points. \param order how often by each direction; the sum is 1 or 2
+/// \tparam N the number of rows where the compiler should know it, or 0
+template <int N, typename Body>
+void ForDerivative(const Eigen::MatrixXd& points, int rows, const std::array<int, 3>& degrees,
+  const std::array<int, 3>& order, double* scratch, const Body& body)
+{
+  const int n = N > 0 ? N : rows;
+  const auto strides = Strides(degrees);
+  double factor = 1.0;
+  std::array<Eigen::Index, 2> step{ 0, 0 };
+  std::size_t steps = 0;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    for (int k = 0; k < order[d]; ++k)
+    {
+      factor *= degrees[d] - k;
+      step[steps++] = points.rows() * strides[d];
+    }
+  }
+  if (factor <= 0.0)
+  {
+    return;
+  }
+  double fixed[N > 0 ? N : 1];
+  double* const difference = N > 0 ? fixed : scratch;
+  for (int k = 0; k <= degrees[2] - order[2]; ++k)
+  {
+    for (int j = 0; j <= degrees[1] - order[1]; ++j)
+    {
+      const double* x = points.data() + points.rows() * (strides[1] * j + strides[2] * k);
+      for (int i = 0; i <= degrees[0] - order[0]; ++i, x += points.rows())
+      {
+        for (int c = 0; c < n; ++c)
+        {
+          difference[c] = x[c + step[0]] - x[c];
+        }
+        for (int c = 0; steps == 2 && c < n; ++c)
+        {
+          difference[c] = x[c + step[0] + step[1]] - x[c + step[1]] - difference[c];
+        }
+        for (int c = 0; c < n; ++c)
+        {
+          difference[c] *= factor;
+        }
+        body(difference);
+      }
+    }
+  }
+}
+
 /// De Casteljau at 1/2 in one direction; `low` is overwritten by the lower half.
 void Halve(Eigen::MatrixXd& low, Eigen::MatrixXd& high, const std::array<int, 3>& degrees, int d)
 {
   const auto strides = Strides(degrees);
   const auto stride = strides[static_cast<std::size_t>(d)];
   const int p = degrees[static_cast<std::size_t>(d)];
-  high.resize(low.rows(), low.cols());
+  const Eigen::Index rows = low.rows();
+  high.resize(rows, low.cols());
   for (Eigen::Index line = 0; line < low.cols(); ++line)
   {
     if ((line / stride) % (p + 1) != 0)
@@ -74,8 +133,12 @@ void Halve(Eigen::MatrixXd& low, Eigen::MatrixXd& high, const std::array<int, 3>
     {
       for (int i = p; i >= r; --i)
       {
-        low.col(line + i * stride) =
-          0.5 * (low.col(line + i * stride) + low.col(line + (i - 1) * stride));
+        double* upper = low.data() + rows * (line + i * stride);
+        const double* lower = upper - rows * stride;
+        for (Eigen::Index c = 0; c < rows; ++c)
+        {
+          upper[c] = 0.5 * (upper[c] + lower[c]);
+        }
       }
       high.col(line + (p - r) * stride) = low.col(line + p * stride);
     }
@@ -111,11 +174,10 @@ const std::vector<ChordBound::Bound>& ChordBound::operator()(
   this->Levels[0] = points;
   for (Eigen::Index c = 0; c < components; ++c)
   {
-    const auto row = points.row(c).array();
-    const double radius = rational ? 0.5 *
-        ((row / points.row(components).array()).maxCoeff() -
-          (row / points.row(components).array()).minCoeff())
-                                   : 0.5 * (row.maxCoeff() - row.minCoeff());
+    const Range range = RangeOf(points.cols(),
+      [&points, rational, components, c](std::ptrdiff_t i)
+      { return rational ? points(c, i) / points(components, i) : points(c, i); });
+    const double radius = 0.5 * (range.High - range.Low);
     double& bounded = this->Result[norm == Norm::Vector ? 0 : static_cast<std::size_t>(c)].Radius;
     bounded = std::hypot(bounded, radius);
   }
@@ -140,47 +202,39 @@ const std::vector<ChordBound::Bound>& ChordBound::operator()(
   return this->Result;
 }
 
-void ChordBound::Recurse(std::size_t level)
-{
-  if (level == this->Splits.size())
-  {
-    this->Accumulate(this->Levels[level]);
-    return;
-  }
-  // This level keeps the upper half while the next one works on the lower one.
-  this->Levels[level + 1] = this->Levels[level];
-  Halve(this->Levels[level + 1], this->Levels[level], this->Degrees, this->Splits[level]);
-  this->Recurse(level + 1);
-  this->Levels[level + 1] = this->Levels[level];
-  this->Recurse(level + 1);
-}
-
+template <int Rows>
 void ChordBound::Accumulate(const Eigen::MatrixXd& points)
 {
-  const Eigen::Index rows = points.rows();
-  const Eigen::Index m = rows - (this->Rational ? 1 : 0);
+  const int rows = static_cast<int>(points.rows());
+  const int m = (Rows > 0 ? Rows : rows) - (this->Rational ? 1 : 0);
   const std::size_t groups = this->Result.size();
-  const auto squared = [&](const auto& column, std::size_t group)
+  const auto squared = [m, groups](const double* column, std::size_t group)
   {
-    return groups == 1 ? column.head(m).squaredNorm()
-                       : std::pow(column[static_cast<Eigen::Index>(group)], 2);
+    if (groups > 1)
+    {
+      return column[group] * column[group];
+    }
+    double sum = 0.0;
+    for (int c = 0; c < m; ++c)
+    {
+      sum += column[c] * column[c];
+    }
+    return sum;
   };
 
   std::array<int, 3> degrees = this->Degrees;
-  Eigen::VectorXd& difference = this->Difference;
   double least = 1.0;
   Eigen::MatrixXd& x = this->Centred;
   if (this->Rational)
   {
     least = points.row(m).minCoeff();
     Elevate(points, degrees, x, this->Scratch);
-    const auto weights = x.row(m).array();
     // X - (g . xi) W with g the difference of the outer control points; then the centre.
     for (std::size_t d = 0; d < 3; ++d)
     {
       const Eigen::Index last = this->Degrees[d] * Strides(this->Degrees)[d];
       const Eigen::Index corners = points.cols() - 1 - last;
-      for (Eigen::Index c = 0; c < m; ++c)
+      for (int c = 0; c < m; ++c)
       {
         const double slope = 0.5 *
           (points(c, last) / points(m, last) - points(c, 0) / points(m, 0) +
@@ -189,11 +243,11 @@ void ChordBound::Accumulate(const Eigen::MatrixXd& points)
         x.row(c) -= slope * x.row(m + 1 + static_cast<Eigen::Index>(d));
       }
     }
-    for (Eigen::Index c = 0; c < m; ++c)
+    for (int c = 0; c < m; ++c)
     {
-      const auto projected = x.row(c).array() / weights;
-      const double centre = 0.5 * (projected.minCoeff() + projected.maxCoeff());
-      x.row(c) -= centre * x.row(m);
+      const Range projected =
+        RangeOf(x.cols(), [&x, c, m](std::ptrdiff_t i) { return x(c, i) / x(m, i); });
+      x.row(c) -= 0.5 * (projected.Low + projected.High) * x.row(m);
     }
   }
   else
@@ -208,53 +262,13 @@ void ChordBound::Accumulate(const Eigen::MatrixXd& points)
   {
     for (std::size_t g = 0; g < groups; ++g)
     {
-      first[4 * g] = std::max(first[4 * g], std::sqrt(squared(x.col(i), g)) / x(m, i));
+      first[4 * g] = std::max(first[4 * g], std::sqrt(squared(x.col(i).data(), g)) / x(m, i));
     }
   }
 
-  const auto strides = Strides(degrees);
-  // Calls body(difference) for every coefficient of a derivative; `order` has one number per
-  // direction and the sum 1 or 2.
+  this->Difference.resize(rows);
   const auto differences = [&](const std::array<int, 3>& order, const auto& body)
-  {
-    double factor = 1.0;
-    for (std::size_t d = 0; d < 3; ++d)
-    {
-      for (int k = 0; k < order[d]; ++k)
-      {
-        factor *= degrees[d] - k;
-      }
-    }
-    if (factor <= 0.0)
-    {
-      return;
-    }
-    std::array<Eigen::Index, 2> step{ 0, 0 };
-    std::size_t steps = 0;
-    for (std::size_t d = 0; d < 3; ++d)
-    {
-      for (int k = 0; k < order[d]; ++k)
-      {
-        step[steps++] = strides[d];
-      }
-    }
-    for (int k = 0; k <= degrees[2] - order[2]; ++k)
-    {
-      for (int j = 0; j <= degrees[1] - order[1]; ++j)
-      {
-        for (int i = 0; i <= degrees[0] - order[0]; ++i)
-        {
-          const Eigen::Index at = i + strides[1] * j + strides[2] * k;
-          difference = x.col(at + step[0]) - x.col(at);
-          if (steps == 2)
-          {
-            difference = x.col(at + step[0] + step[1]) - x.col(at + step[1]) - difference;
-          }
-          body(factor * difference);
-        }
-      }
-    }
-  };
+  { ForDerivative<Rows>(x, rows, degrees, order, this->Difference.data(), body); };
 
   if (this->Rational)
   {
@@ -263,7 +277,7 @@ void ChordBound::Accumulate(const Eigen::MatrixXd& points)
       std::array<int, 3> order{};
       order[d] = 1;
       differences(order,
-        [&](const auto& coefficient)
+        [&](const double* coefficient)
         {
           weight[d] = std::max(weight[d], std::abs(coefficient[m]));
           for (std::size_t g = 0; g < groups; ++g)
@@ -290,7 +304,7 @@ void ChordBound::Accumulate(const Eigen::MatrixXd& points)
       std::vector<double>& second = this->Second;
       second.assign(groups, 0.0);
       differences(order,
-        [&](const auto& coefficient)
+        [&](const double* coefficient)
         {
           bend = this->Rational ? std::max(bend, std::abs(coefficient[m])) : 0.0;
           for (std::size_t g = 0; g < groups; ++g)
@@ -308,6 +322,33 @@ void ChordBound::Accumulate(const Eigen::MatrixXd& points)
       }
     }
   }
+}
+
+void ChordBound::Recurse(std::size_t level)
+{
+  if (level == this->Splits.size())
+  {
+    const Eigen::MatrixXd& points = this->Levels[level];
+    switch (points.rows())
+    {
+      case 1:
+        return this->Accumulate<1>(points);
+      case 2:
+        return this->Accumulate<2>(points);
+      case 3:
+        return this->Accumulate<3>(points);
+      case 4:
+        return this->Accumulate<4>(points);
+      default:
+        return this->Accumulate<0>(points);
+    }
+  }
+  // This level keeps the upper half while the next one works on the lower one.
+  this->Levels[level + 1] = this->Levels[level];
+  Halve(this->Levels[level + 1], this->Levels[level], this->Degrees, this->Splits[level]);
+  this->Recurse(level + 1);
+  this->Levels[level + 1] = this->Levels[level];
+  this->Recurse(level + 1);
 }
 
 }

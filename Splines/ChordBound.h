@@ -50,6 +50,8 @@ public:
 
 private:
   void Recurse(std::size_t level);
+  /// \tparam Rows of the points, where the compiler should know it, or 0
+  template <int Rows>
   void Accumulate(const Eigen::MatrixXd& points);
 
   std::array<int, 3> Degrees{};
