@@ -2,9 +2,9 @@
 #include "ZeroSetWorker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 namespace hyperpatch
@@ -153,6 +153,136 @@ bool ZeroSet::Worker::FindVertices()
     });
 }
 
+std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::JoinAround(const Node& node,
+  const std::vector<Index>& vertices, const std::vector<std::array<Index, 2>>& links) const
+{
+  const std::size_t count = vertices.size();
+  std::vector<Index> joined = vertices;
+  // The creases through the node in which the edge of a vertex does not lie. Those that stay in all
+  // of them can stand for the others.
+  std::vector<char> leaves(count, 0);
+  int creases = 0;
+  for (const int d : this->Axes)
+  {
+    const auto D = static_cast<std::size_t>(d);
+    const bool isCrease = this->Lines[D].IsCrease(node[D]);
+    creases += isCrease ? 1 : 0;
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      leaves[i] |= isCrease && this->Vertices[static_cast<std::size_t>(vertices[i])].Axis == d;
+    }
+  }
+  std::array<std::array<bool, MostAround>, MostAround> isLinked{};
+  const auto place = [&vertices](Index v)
+  {
+    return static_cast<std::size_t>(
+      std::find(vertices.begin(), vertices.end(), v) - vertices.begin());
+  };
+  for (const auto& [from, to] : links)
+  {
+    const std::size_t a = place(from);
+    const std::size_t b = place(to);
+    isLinked[a][b] = isLinked[b][a] = true;
+  }
+  // Of what is collapsed around one that is added: vertices less curves, plus triangles of three.
+  const auto euler = [&](const std::vector<std::size_t>& some)
+  {
+    int sum = 0;
+    for (std::size_t i = 0; i < some.size(); ++i)
+    {
+      ++sum;
+      for (std::size_t j = 0; j < i; ++j)
+      {
+        sum -= isLinked[some[i]][some[j]] ? 1 : 0;
+        for (std::size_t k = 0; k < j; ++k)
+        {
+          sum +=
+            isLinked[some[i]][some[j]] && isLinked[some[j]][some[k]] && isLinked[some[k]][some[i]]
+            ? 1
+            : 0;
+        }
+      }
+    }
+    return sum;
+  };
+  std::vector<std::vector<std::size_t>> groups;
+  std::vector<char> isKnown(count, 0);
+  for (std::size_t first = 0; first < count; ++first)
+  {
+    if (isKnown[first] || leaves[first])
+    {
+      continue;
+    }
+    std::vector<std::size_t> group{ first };
+    isKnown[first] = 1;
+    for (std::size_t i = 0; i < group.size() && creases < 2; ++i)
+    {
+      for (std::size_t j = 0; j < count; ++j)
+      {
+        if (isLinked[group[i]][j] && !isKnown[j] && !leaves[j])
+        {
+          isKnown[j] = 1;
+          group.push_back(j);
+        }
+      }
+    }
+    if (euler(group) == 1)
+    {
+      groups.push_back(std::move(group));
+      continue;
+    }
+    for (const std::size_t i : group)
+    {
+      groups.push_back({ i });
+    }
+  }
+  for (std::vector<std::size_t>& group : groups)
+  {
+    // By place in space, which all patches around have the same bits of.
+    const std::size_t best = *std::min_element(group.begin(), group.end(),
+      [&](std::size_t a, std::size_t b)
+      {
+        const auto x = this->Shared.Points.col(vertices[a]);
+        const auto y = this->Shared.Points.col(vertices[b]);
+        return std::lexicographical_compare(x.begin(), x.end(), y.begin(), y.end());
+      });
+    for (const std::size_t i : group)
+    {
+      joined[i] = vertices[best];
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    if (!leaves[i])
+    {
+      continue;
+    }
+    std::vector<std::size_t>* only = nullptr;
+    int found = 0;
+    for (std::vector<std::size_t>& group : groups)
+    {
+      if (std::any_of(group.begin(), group.end(), [&](std::size_t j) { return isLinked[i][j]; }))
+      {
+        only = &group;
+        ++found;
+      }
+    }
+    if (found == 1)
+    {
+      only->push_back(i);
+      if (euler(*only) == 1)
+      {
+        joined[i] = joined[only->front()];
+      }
+      else
+      {
+        only->pop_back();
+      }
+    }
+  }
+  return joined;
+}
+
 void ZeroSet::Worker::Snap()
 {
   // Vertices of the edges around a node, if they are near to it: (node, vertex).
@@ -177,48 +307,49 @@ void ZeroSet::Worker::Snap()
     around.emplace_back(node, static_cast<Index>(v));
   }
   std::sort(around.begin(), around.end());
+  // The curves between those of one node.
+  std::vector<Index> firstAround(this->Vertices.size(), -1);
+  for (std::size_t first = 0, i = 0; i < around.size(); ++i)
+  {
+    first = around[i].first == around[first].first ? first : i;
+    firstAround[static_cast<std::size_t>(around[i].second)] = static_cast<Index>(first);
+  }
+  std::vector<std::pair<Index, std::array<Index, 2>>> links;
+  for (const Curve& curve : this->Curves)
+  {
+    const Index node = firstAround[static_cast<std::size_t>(curve.From)];
+    if (node >= 0 && node == firstAround[static_cast<std::size_t>(curve.To)] &&
+      curve.From != curve.To)
+    {
+      links.push_back({ node, { curve.From, curve.To } });
+    }
+  }
+  std::sort(links.begin(), links.end());
   std::vector<Index> vertexOf(this->Vertices.size());
   for (std::size_t v = 0; v < vertexOf.size(); ++v)
   {
     vertexOf[v] = static_cast<Index>(v);
   }
-  for (std::size_t first = 0, end = 0; first < around.size(); first = end)
+  auto link = links.begin();
+  std::vector<Index> some;
+  std::vector<std::array<Index, 2>> between;
+  while (link != links.end())
   {
-    const Node& node = around[first].first;
-    while (end < around.size() && around[end].first == node)
+    const auto first = static_cast<std::size_t>(link->first);
+    some.clear();
+    for (std::size_t i = first; i < around.size() && around[i].first == around[first].first; ++i)
     {
-      ++end;
+      some.push_back(around[i].second);
     }
-    // The creases through the node in which the edge of a vertex does not lie. One that stays in
-    // all of them can stand for the others.
-    const auto leaves = [&](Index v)
+    between.clear();
+    for (; link != links.end() && link->first == static_cast<Index>(first); ++link)
     {
-      const int axis = this->Vertices[static_cast<std::size_t>(v)].Axis;
-      return axis < 3 &&
-          this->Lines[static_cast<std::size_t>(axis)].IsCrease(node[static_cast<std::size_t>(axis)])
-        ? 1
-        : 0;
-    };
-    const auto best = std::min_element(around.begin() + static_cast<std::ptrdiff_t>(first),
-      around.begin() + static_cast<std::ptrdiff_t>(end),
-      [&](const auto& a, const auto& b)
-      {
-        // By place in space, which all patches around have the same bits of.
-        const auto place = [this](Index v) -> std::array<double, 3>
-        {
-          const auto x = this->Shared.Points.col(v);
-          return { x[0], x[1], x[2] };
-        };
-        return std::make_tuple(leaves(a.second), place(a.second)) <
-          std::make_tuple(leaves(b.second), place(b.second));
-      });
-    for (std::size_t i = first; i < end; ++i)
+      between.push_back(link->second);
+    }
+    const std::vector<Index> joined = this->JoinAround(around[first].first, some, between);
+    for (std::size_t i = 0; i < some.size(); ++i)
     {
-      const Index v = around[i].second;
-      if (leaves(best->second) == 0 || v == best->second)
-      {
-        vertexOf[static_cast<std::size_t>(v)] = best->second;
-      }
+      vertexOf[static_cast<std::size_t>(some[i])] = joined[i];
     }
   }
   // Curves with the same ends become one, except that of creases those in one plane only (which is

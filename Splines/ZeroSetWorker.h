@@ -270,6 +270,14 @@ private:
   bool FindVertices();
   /// Joins vertices that lie close together around a node, and the curves that become one by that.
   void Snap();
+  /// No more vertices than that are around a node: on its edges, and itself.
+  static constexpr std::size_t MostAround = 7;
+  /// Joins those that curves between them connect, if all that becomes one point by that is a disc:
+  /// two sheets stay two, and a neck stays open.
+  /// \param links the ends of these curves
+  /// \returns for each vertex the one that it becomes
+  [[nodiscard]] std::vector<Index> JoinAround(const Node& node, const std::vector<Index>& vertices,
+    const std::vector<std::array<Index, 2>>& links) const;
 
   // Curves: ZeroSetCurves.cxx
   /// Snap() and FindCurves().
