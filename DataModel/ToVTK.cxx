@@ -79,18 +79,16 @@ vtkSmartPointer<vtkStructuredGrid> MakeGrid(const Patch& patch, int role, const 
 
   vtkNew<vtkIntArray> header;
   header->SetName(names::Layout);
-  for (const int value : layout.Pack())
-  {
-    header->InsertNextValue(value);
-  }
+  const auto packed = layout.Pack();
+  header->SetNumberOfValues(LatticeLayout::Size);
+  std::copy(packed.begin(), packed.end(), header->GetPointer(0));
   vtkNew<vtkDoubleArray> knots;
   knots->SetName(names::Knots);
+  knots->SetNumberOfValues(layout.NumberOfKnots());
+  double* next = knots->GetPointer(0);
   for (const KnotVector& direction : basis.Knots())
   {
-    for (const double knot : direction.Knots())
-    {
-      knots->InsertNextValue(knot);
-    }
+    next = std::copy(direction.Knots().begin(), direction.Knots().end(), next);
   }
   grid->GetFieldData()->AddArray(header);
   grid->GetFieldData()->AddArray(knots);
