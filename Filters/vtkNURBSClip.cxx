@@ -204,6 +204,8 @@ void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* o
       std::move(part.Attributes));
     mesh.AddCells(patch, std::move(part.Cells), part.Elements.colwise() + firstSpan, {});
   }
+  group.reset();
+  this->ReportProgress(0.0);
   const int rank = this->GetController() ? this->GetController()->GetLocalProcessId() : 0;
   vtkFieldData* numbers = output->GetFieldData();
   FieldNumbers::AddCount(numbers, hyperpatch::names::CertifiedCells, certificate.CertifiedCells);

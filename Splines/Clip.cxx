@@ -124,7 +124,7 @@ bool ClipWorker::IsDroppedByCorners(const Cell& cell) const
 bool ClipWorker::AddElements(
   const std::array<int, 3>& first, const std::array<int, 3>& last, unsigned state)
 {
-  if (this->M.Options.Abort())
+  if (++this->Boxes % BoxStep == 0 && this->M.Options.Abort())
   {
     return false;
   }

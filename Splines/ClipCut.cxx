@@ -70,11 +70,79 @@ bool ClipWorker::BeginCut()
   return true;
 }
 
+std::vector<double> ClipWorker::PieceErrors() const
+{
+  const int dimension = this->Simplices->Dimension();
+  const auto& pieces = this->P->Cells();
+  const auto& x = this->P->Points();
+  const auto& u = this->P->Parameters();
+  Numbering numbers;
+  std::vector<std::array<std::size_t, 2>> edges;
+  std::vector<std::size_t> edgesOf;
+  for (const SimplexCut::Cell& piece : pieces)
+  {
+    for (int e = 0; e < SimplexRefinement::NumberOfEdges(dimension); ++e)
+    {
+      const auto end = [&](int i)
+      {
+        return static_cast<std::size_t>(
+          piece.Corners[static_cast<std::size_t>(SimplexRefinement::Edges[e][i])]);
+      };
+      const std::size_t a = std::min(end(0), end(1));
+      const std::size_t b = std::max(end(0), end(1));
+      const auto [number, isNew] =
+        numbers.Number({ static_cast<int>(a), static_cast<int>(b), 0, 0 });
+      if (isNew)
+      {
+        edges.push_back({ a, b });
+      }
+      edgesOf.push_back(static_cast<std::size_t>(number));
+    }
+  }
+  std::vector<double> errors(edges.size());
+  const auto m = static_cast<std::size_t>(this->M.Body->Geometry()->Spline().Components());
+  this->M.Options.For(static_cast<std::ptrdiff_t>(edges.size()), Grain,
+    [&](std::ptrdiff_t begin, std::ptrdiff_t end)
+    {
+      const auto first = static_cast<std::size_t>(begin);
+      const auto count = static_cast<std::size_t>(end - begin);
+      std::vector<Eigen::Vector3d> middles;
+      for (std::size_t i = first; i < first + count; ++i)
+      {
+        middles.emplace_back(0.5 * (u[edges[i][0]] + u[edges[i][1]]));
+      }
+      std::vector<double> exact(m * count);
+      this->M.Body->Geometry()->Evaluator().Evaluate(count, middles.front().data(), exact.data());
+      for (std::size_t i = first; i < first + count; ++i)
+      {
+        Eigen::Vector3d miss = -0.5 * (x[edges[i][0]] + x[edges[i][1]]);
+        for (std::size_t c = 0; c < m; ++c)
+        {
+          miss[static_cast<Eigen::Index>(c)] += exact[m * (i - first) + c];
+        }
+        errors[i] = miss.norm();
+      }
+    });
+  std::vector<double> worst(this->Simplices->Cells().size(), 0.0);
+  const auto count = static_cast<std::size_t>(SimplexRefinement::NumberOfEdges(dimension));
+  for (std::size_t i = 0; i < edgesOf.size(); ++i)
+  {
+    double& own = worst[static_cast<std::size_t>(pieces[i / count].Origin)];
+    own = std::max(own, errors[edgesOf[i]]);
+  }
+  return worst;
+}
+
 bool ClipWorker::MarkBadCuts()
 {
   const auto& cells = this->Simplices->Cells();
   std::vector<char> isWrong(cells.size(), 0);
   std::vector<char> isTurned(cells.size(), 0);
+  const std::vector<double> errors = this->PieceErrors();
+  for (std::size_t i = 0; i < cells.size(); ++i)
+  {
+    isWrong[i] = errors[i] > this->M.Options.Tolerance;
+  }
   for (const Facet& facet : this->CutFacets())
   {
     isWrong[facet.Cell] = isWrong[facet.Cell] || facet.Error > this->M.Options.Tolerance;
@@ -143,6 +211,10 @@ void ClipWorker::Certify(ZeroSetCertificate& certificate) const
   for (const Facet& facet : this->CutFacets())
   {
     certificate.LargestError = std::max(certificate.LargestError, facet.Error);
+  }
+  for (const double error : this->PieceErrors())
+  {
+    certificate.LargestError = std::max(certificate.LargestError, error);
   }
   certificate.UndecidedCells += this->Sampled;
   certificate.LargestResidual = this->P->LargestResidual();
@@ -313,6 +385,11 @@ std::vector<ClipWorker::Facet> ClipWorker::CutFacets() const
       ++corners[static_cast<std::size_t>(number)].Cells;
     }
   }
+  // Those that are not there come first.
+  const auto point = [&corners, dimension](std::size_t f, int i)
+  {
+    return static_cast<std::size_t>(corners[f].Points[static_cast<std::size_t>(3 - dimension + i)]);
+  };
   this->M.Options.For(static_cast<std::ptrdiff_t>(facets.size()), Grain,
     [&](std::ptrdiff_t begin, std::ptrdiff_t end)
     {
@@ -320,18 +397,10 @@ std::vector<ClipWorker::Facet> ClipWorker::CutFacets() const
       Eigen::VectorXd exact(m);
       for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
       {
-        Eigen::Vector3d u = Eigen::Vector3d::Zero();
-        Eigen::Vector3d x = Eigen::Vector3d::Zero();
         Eigen::AlignedBox3d box;
-        for (const int i : corners[f].Points)
+        for (int i = 0; i < dimension; ++i)
         {
-          if (i >= 0)
-          {
-            const auto point = static_cast<std::size_t>(i);
-            u += this->P->Parameters()[point] / dimension;
-            x += this->P->Points()[point] / dimension;
-            box.extend(this->P->Parameters()[point]);
-          }
+          box.extend(this->P->Parameters()[point(f, i)]);
         }
         bool isInSide = false;
         for (std::size_t d = 0; d < 3; ++d)
@@ -346,21 +415,33 @@ std::vector<ClipWorker::Facet> ClipWorker::CutFacets() const
         {
           continue;
         }
-        double value = 0.0;
-        Eigen::Vector3d gradient;
-        this->M.Fields[corners[f].Field]->EvaluateWithGradient(
-          1, u.data(), &value, gradient.data());
-        this->M.Body->Geometry()->Evaluator().EvaluateWithDerivatives(
-          1, u.data(), exact.data(), derivatives.data());
-        const Eigen::VectorXd physical =
-          derivatives.transpose().completeOrthogonalDecomposition().solve(gradient);
-        double miss = value;
-        for (int c = 0; c < m; ++c)
+        // In the middle, and in those of the edges.
+        for (int left = -1; left < (dimension == 3 ? 3 : 0); ++left)
         {
-          miss -= physical[c] * (exact[c] - x[c]);
+          Eigen::Vector3d u = Eigen::Vector3d::Zero();
+          Eigen::Vector3d x = Eigen::Vector3d::Zero();
+          const double share = 1.0 / (left < 0 ? dimension : dimension - 1);
+          for (int i = 0; i < dimension; ++i)
+          {
+            u += i == left ? 0.0 * u : share * this->P->Parameters()[point(f, i)];
+            x += i == left ? 0.0 * x : share * this->P->Points()[point(f, i)];
+          }
+          double value = 0.0;
+          Eigen::Vector3d gradient;
+          this->M.Fields[corners[f].Field]->EvaluateWithGradient(
+            1, u.data(), &value, gradient.data());
+          this->M.Body->Geometry()->Evaluator().EvaluateWithDerivatives(
+            1, u.data(), exact.data(), derivatives.data());
+          const Eigen::VectorXd physical =
+            derivatives.transpose().completeOrthogonalDecomposition().solve(gradient);
+          double miss = value;
+          for (int c = 0; c < m; ++c)
+          {
+            miss -= physical[c] * (exact[c] - x[c]);
+          }
+          const double slope = physical.norm();
+          facets[f].Error = std::max(facets[f].Error, slope > 0.0 ? std::abs(miss) / slope : 0.0);
         }
-        const double slope = physical.norm();
-        facets[f].Error = slope > 0.0 ? std::abs(miss) / slope : 0.0;
       }
     });
   return facets;

@@ -208,10 +208,13 @@ private:
   /// Triangles (segments of a surface) of the cut.
   struct Facet
   {
-    double Error;     ///< distance of its middle from f = 0
+    double Error;     ///< distance from f = 0 of its middle and those of its edges
     std::size_t Cell; ///< that it was cut from
   };
   [[nodiscard]] std::vector<Facet> CutFacets() const;
+  /// Per cell, the largest distance of its pieces' edges from the geometry: points of the cells at
+  /// the cut have been moved.
+  [[nodiscard]] std::vector<double> PieceErrors() const;
   void Certify(ZeroSetCertificate& certificate) const;
 
   /// The share of a tolerance that is aimed at: it is measured at a few points only.
@@ -221,6 +224,7 @@ private:
   static constexpr std::ptrdiff_t Grain = 128;
   /// Cells between two questions whether to abort.
   static constexpr std::size_t Step = 1 << 14;
+  static constexpr int BoxStep = 256; ///< the same of boxes of elements
 
   ClipGroup::Member M;
   std::shared_ptr<BendBounds> B;
@@ -230,6 +234,7 @@ private:
   double DomainWidth = 0.0;
   bool IsCapped = false;
 
+  int Boxes = 0;                    ///< of elements that were looked at
   std::vector<int> Roots;           ///< elements that may be kept
   std::vector<unsigned> RootStates; ///< as Cell::State
   std::optional<SimplexRefinement> Simplices;

@@ -388,6 +388,65 @@ TEST(Clip, InterpolationKeepsToTheTolerances)
   EXPECT_LE(worstValue, options.AttributeTolerances[0]);
 }
 
+TEST(Clip, TheCutAndTheOuterBoundaryAreWithinTheTolerance)
+{
+  // All of the boundary is known in closed form: cylinders of radii 1 and 2, planes and the sphere.
+  const Model model(models::QuarterTube());
+  const Eigen::Vector3d centre(1.1, 1.0, 0.4);
+  const double radius = 0.5;
+  const Fields fields = model.Quadrics({ Sphere(centre, radius) });
+  for (const bool inside : { true, false })
+  {
+    for (const double tolerance : { 2e-2, 2e-3 })
+    {
+      ClipOptions options;
+      options.Tolerance = tolerance;
+      options.KeepInside = inside;
+      const ClipMesh mesh = model.Clipped(fields, options);
+      ExpectConforming(model, mesh, fields);
+      EXPECT_TRUE(mesh.Certificate.ToleranceReached);
+      double worst = 0.0;
+      int onTheCut = 0;
+      for (const auto& facet : OpenFacets(mesh))
+      {
+        const auto liesIn = [&](int d, double end)
+        {
+          return std::all_of(facet.begin(), facet.end(),
+            [&](std::int64_t i) { return mesh.Parameters(d, i) == end; });
+        };
+        const auto distance = [&](const Eigen::Vector3d& x)
+        {
+          const double r = x.head<2>().norm();
+          return liesIn(0, 0.0) ? r - 1.0
+            : liesIn(0, 1.0)    ? r - 2.0
+            : liesIn(1, 0.0)    ? x[1]
+            : liesIn(1, 1.0)    ? x[0]
+            : liesIn(2, 0.0)    ? x[2]
+            : liesIn(2, 1.0)    ? x[2] - 1.0
+                                : (x - centre).norm() - radius;
+        };
+        onTheCut += liesIn(0, 0.0) || liesIn(0, 1.0) || liesIn(1, 0.0) || liesIn(1, 1.0) ||
+            liesIn(2, 0.0) || liesIn(2, 1.0)
+          ? 0
+          : 1;
+        for (int i = 0; i <= 6; ++i)
+        {
+          for (int j = 0; i + j <= 6; ++j)
+          {
+            const Eigen::Vector3d x =
+              (i * mesh.Points.col(facet[0]) + j * mesh.Points.col(facet[1]) +
+                (6 - i - j) * mesh.Points.col(facet[2])) /
+              6.0;
+            worst = std::max(worst, std::abs(distance(x)));
+          }
+        }
+      }
+      EXPECT_GT(onTheCut, 10);
+      EXPECT_LE(worst, tolerance);
+    }
+  }
+}
+
 TEST(Clip, ThreadsDoNotChangeTheResult)
 {
   const Model model(models::QuarterTube());
