@@ -149,7 +149,7 @@ class StockFilters(unittest.TestCase):
 
 
 class ControlNet(unittest.TestCase):
-    """A quarter of a tube with the radii 1 and 2 and the height 1; its control net has right angles.
+    """A quarter of a tube, radii 1 and 2, height 1; its control net has right angles.
 
     Of the field with the coefficients x^2 + y^2, coefficients reach 8 and values 5.66.
     """
