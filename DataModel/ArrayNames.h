@@ -45,6 +45,7 @@ inline constexpr const char* JacobianDeterminant = "JacobianDeterminant";
 /// Of field data that say what is certain of a result: one number each.
 inline constexpr const char* CertifiedCells = "CertifiedCells";
 inline constexpr const char* UndecidedCells = "UndecidedCells";
+inline constexpr const char* UndecidedBoxes = "UndecidedBoxes"; ///< 7 numbers each
 inline constexpr const char* LargestResidual = "LargestResidual";
 inline constexpr const char* LargestError = "LargestError";
 inline constexpr const char* ToleranceReached = "ToleranceReached";

@@ -7,8 +7,12 @@
 #include "NURBSMeshOutput.h"
 #include "ZeroSetGroup.h"
 
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkMultiProcessController.h"
+#include "vtkNew.h"
 
+#include <array>
 #include <map>
 #include <utility>
 
@@ -115,6 +119,26 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
     fieldData, hyperpatch::names::OpenEdgesOnInterfaces, certificate.OpenEdgesOnInterfaces);
   FieldNumbers::AddCount(
     fieldData, hyperpatch::names::OpenEdgesInside, certificate.OpenEdgesInside);
+  vtkNew<vtkDoubleArray> boxes;
+  boxes->SetName(hyperpatch::names::UndecidedBoxes);
+  boxes->SetNumberOfComponents(7);
+  static constexpr std::array<const char*, 7> Components{ "PatchId", "u least", "u greatest",
+    "v least", "v greatest", "w least", "w greatest" };
+  for (std::size_t c = 0; c < Components.size(); ++c)
+  {
+    boxes->SetComponentName(static_cast<vtkIdType>(c), Components[c]);
+  }
+  for (std::size_t i = 0; i < tasks.size(); ++i)
+  {
+    for (const hyperpatch::ParameterBox& box : group.UndecidedBoxes(i))
+    {
+      const auto& [low, high] = box;
+      boxes->InsertNextTuple(std::array<double, 7>{ static_cast<double>(tasks[i].On.Patch->Id),
+        low[0], high[0], low[1], high[1], low[2], high[2] }
+                               .data());
+    }
+  }
+  fieldData->AddArray(boxes);
   if (rank > 0)
   {
     return;

@@ -23,7 +23,9 @@
  *   other interfaces, and on cuts whose other side is not there
  * - `OpenEdgesInside`: the same anywhere else. These are cracks; there are none where nothing is
  *   undecided.
- * In a parallel run all processes have the numbers of the whole.
+ * - `UndecidedBoxes`: which these cells are: PatchId, then the least and the greatest parameter in
+ *   each direction; no more than 100,000 of a surface in a patch
+ * In a parallel run all processes have the numbers of the whole, and the boxes of their own part.
  *
  * Points on interfaces and creases occur once per side, with the same bits in their coordinates and
  * the ParametricCoordinates, normal and attributes of their side; MergePoints joins them.

@@ -260,4 +260,9 @@ const ZeroSetCertificate& ZeroSet::Certificate() const
   return this->W->Certificate;
 }
 
+const std::vector<ParameterBox>& ZeroSet::UndecidedBoxes() const
+{
+  return this->W->UndecidedBoxes;
+}
+
 }

@@ -3,6 +3,7 @@
 #define hyperpatch_ZeroSet_h
 
 #include "Aggregate.h"
+#include "ControlBounds.h"
 #include "Parallel.h"
 #include "Prepared.h"
 #include "ScalarField.h"
@@ -10,6 +11,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -41,8 +43,10 @@ struct ZeroSetCertificate
   /// Parameter boxes that hold a piece of the mesh and in which the gradient test proves that the
   /// zero set is one sheet, a graph over a coordinate plane.
   std::int64_t CertifiedCells = 0;
-  /// Parameter boxes, no wider than the tolerance unless a maximum stopped refinement, in which a
-  /// zero can neither be excluded nor proven to be a simple sheet; all boxes where f has no bounds.
+  /// Parameter boxes in which a zero can neither be excluded nor proven to be a simple sheet; all
+  /// boxes where f has no bounds. No wider than the tolerance unless a maximum stopped refinement
+  /// or f is 0 all over them. Also boxes where the surface is within the tolerance, but meets
+  /// itself in a point or an edge or could not be meshed as one sheet; these may be wider.
   std::int64_t UndecidedCells = 0;
   double LargestResidual = 0.0;       ///< of |f| at vertices over the largest |f| at box corners
   double LargestError = 0.0;          ///< physical distance, measured inside every cell
@@ -106,6 +110,10 @@ public:
 
   [[nodiscard]] const ZeroSetMesh& Mesh() const;
   [[nodiscard]] const ZeroSetCertificate& Certificate() const;
+  /// No more undecided cells are listed than that.
+  static constexpr std::size_t MostListed = 100000;
+  /// Those that ZeroSetCertificate::UndecidedCells counts, or the first MostListed of them.
+  [[nodiscard]] const std::vector<ParameterBox>& UndecidedBoxes() const;
 
 private:
   friend class ZeroSetGroup;

@@ -568,7 +568,15 @@ void ZeroSetGroup::Worker::CountTouches()
                                        : engine.High[normal] - 0.25 * engine.Scale[normal];
         double value = 0.0;
         this->Members[m].Field->Evaluate(1, x.data(), &value);
-        this->At(m).Certificate.UndecidedCells += value > 0.0 ? 1 : 0;
+        if (value > 0.0)
+        {
+          // The place on the face.
+          ParameterBox place{};
+          x[normal] = link.Side % 2 == 0 ? engine.Low[normal] : engine.High[normal];
+          Eigen::Map<Eigen::Vector3d>(place.Low.data()) = x;
+          place.High = place.Low;
+          this->At(m).AddUndecided(place);
+        }
       }
     }
   }

@@ -514,6 +514,11 @@ const ZeroSetMesh& ZeroSetGroup::Mesh(std::size_t member) const
   return this->W->ZeroSets[member]->Mesh();
 }
 
+const std::vector<ParameterBox>& ZeroSetGroup::UndecidedBoxes(std::size_t member) const
+{
+  return this->W->ZeroSets[member]->UndecidedBoxes();
+}
+
 ZeroSetCertificate ZeroSetGroup::Certificate() const
 {
   ZeroSetCertificate all;

@@ -71,6 +71,7 @@ public:
 
   /// Of one of the members here, in the order in which they were given.
   [[nodiscard]] const ZeroSetMesh& Mesh(std::size_t member) const;
+  [[nodiscard]] const std::vector<ParameterBox>& UndecidedBoxes(std::size_t member) const;
   /// Of all members here together.
   [[nodiscard]] ZeroSetCertificate Certificate() const;
   /// Of all members on all ranks; all ranks must ask.

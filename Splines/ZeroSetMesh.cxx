@@ -79,16 +79,57 @@ std::vector<ZeroSet::Worker::CrowdedEdge> ZeroSet::Worker::FindOpenEdges()
   return crowded;
 }
 
+void ZeroSet::Worker::AddUndecided(const ParameterBox& box)
+{
+  ++this->Certificate.UndecidedCells;
+  if (this->UndecidedBoxes.size() < MostListed)
+  {
+    this->UndecidedBoxes.push_back(box);
+  }
+}
+
+std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::FindCrossings() const
+{
+  std::vector<Index> begins;
+  for (const auto& edge : this->OpenEdges)
+  {
+    begins.push_back(edge[0]);
+  }
+  std::sort(begins.begin(), begins.end());
+  std::vector<Index> crossings;
+  for (std::size_t i = 1; i < begins.size(); ++i)
+  {
+    if (begins[i] == begins[i - 1])
+    {
+      crossings.push_back(begins[i]);
+    }
+  }
+  return crossings;
+}
+
 void ZeroSet::Worker::Assemble()
 {
   this->Certificate = this->Taken;
-  this->Certificate.UndecidedCells = this->Undecided;
+  this->UndecidedBoxes.clear();
+  for (const Box& box : this->Undecided)
+  {
+    this->AddUndecided(this->Parameters(box));
+  }
   this->Certificate.ToleranceReached = !this->WasCapped;
   const int axes = static_cast<int>(this->Axes.size());
   this->OpenEdges.clear();
+  std::vector<char> isSingular(static_cast<std::size_t>(this->Shared.Count()), 0);
   if (axes == 3)
   {
-    this->PartSheets(this->FindOpenEdges());
+    const std::vector<Index> crowded = this->PartSheets(this->FindOpenEdges());
+    const std::vector<Index> crossings = this->FindCrossings();
+    for (const auto& points : { crowded, crossings })
+    {
+      for (const Index point : points)
+      {
+        isSingular[static_cast<std::size_t>(point)] = 1;
+      }
+    }
   }
   // Cells as shared points >= 0 or inner points of all pieces together < 0.
   std::vector<Index> indices;
@@ -109,14 +150,20 @@ void ZeroSet::Worker::Assemble()
       leafOf.push_back(leaf);
     }
     inner += piece.Inner.Count();
+    const bool isDoubtful = piece.Failed != 0 ||
+      std::any_of(piece.Loops.begin(), piece.Loops.end(),
+        [&isSingular](Index point) { return isSingular[static_cast<std::size_t>(point)] != 0; });
+    if (this->Leaves[leaf].IsCertified && isDoubtful)
+    {
+      this->AddUndecided(this->Parameters(this->Leaves[leaf].At));
+    }
     this->Certificate.CertifiedCells +=
-      this->Leaves[leaf].IsCertified && piece.Failed == 0 && !piece.Cells.empty() ? 1 : 0;
+      this->Leaves[leaf].IsCertified && !isDoubtful && !piece.Cells.empty() ? 1 : 0;
     this->Certificate.LargestError = std::max(this->Certificate.LargestError, piece.Error);
     this->Certificate.LargestAttributeError =
       std::max(this->Certificate.LargestAttributeError, piece.AttributeError);
     this->Certificate.ToleranceReached =
       this->Certificate.ToleranceReached && piece.IsWithinTolerance;
-    this->Certificate.UndecidedCells += piece.Failed;
   }
   for (std::size_t c = 0; c < this->Curves.size(); ++c)
   {

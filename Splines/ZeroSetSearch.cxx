@@ -399,7 +399,7 @@ void ZeroSet::Worker::SearchRoots(const Node& low, const Node& high, std::vector
 
 bool ZeroSet::Worker::Search()
 {
-  this->Undecided = 0;
+  this->Undecided.clear();
   this->WasCapped = false;
   this->Nodes.Clear();
   this->NodeAt.clear();
@@ -459,7 +459,7 @@ bool ZeroSet::Worker::SearchBoxes(std::vector<Box> open)
     {
       open.insert(open.end(), chunk.Next.begin(), chunk.Next.end());
       this->Leaves.insert(this->Leaves.end(), chunk.Leaves.begin(), chunk.Leaves.end());
-      this->Undecided += static_cast<std::int64_t>(chunk.Undecided.size());
+      this->Undecided.insert(this->Undecided.end(), chunk.Undecided.begin(), chunk.Undecided.end());
     }
     this->WasCapped = this->WasCapped || capped;
   }

@@ -7,11 +7,11 @@
 namespace hyperpatch
 {
 
-void ZeroSet::Worker::PartSheets(std::vector<CrowdedEdge> edges)
+std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::PartSheets(std::vector<CrowdedEdge> edges)
 {
   if (edges.empty())
   {
-    return;
+    return {};
   }
   // Two sheets may join the same points where a curve between them has a corner, or where they lie
   // flat in the face between their leaves.
@@ -109,6 +109,15 @@ void ZeroSet::Worker::PartSheets(std::vector<CrowdedEdge> edges)
     auto& cells = this->Pieces[leaf].Cells;
     cells.erase(cells.begin() + static_cast<std::ptrdiff_t>(c));
   }
+  std::vector<Index> left;
+  for (const CrowdedEdge& edge : edges)
+  {
+    if (edge.Sheets > 1)
+    {
+      left.insert(left.end(), edge.Ends.begin(), edge.Ends.end());
+    }
+  }
+  return left;
 }
 
 bool ZeroSet::Worker::SplitEdge(

@@ -45,6 +45,7 @@ public:
 
   ZeroSetMesh Mesh;
   ZeroSetCertificate Certificate;
+  std::vector<ParameterBox> UndecidedBoxes;
 
 private:
   friend class ZeroSetGroup;
@@ -329,13 +330,18 @@ private:
     int Sheets;                ///< that have it
   };
   /// Gives sheets a point of their own on such an edge, so that they stay surfaces.
-  void PartSheets(std::vector<CrowdedEdge> edges);
+  /// \returns the ends of edges where that was not possible
+  std::vector<Index> PartSheets(std::vector<CrowdedEdge> edges);
   /// \returns false where no triangle of the leaf is on the other side, or no point is found
   bool SplitEdge(
     std::size_t leaf, std::size_t cell, std::size_t side, double place, Scratch& scratch);
 
   // Mesh: ZeroSetMesh.cxx
   void Assemble();
+  /// Counts and lists a box as undecided.
+  void AddUndecided(const ParameterBox& box);
+  /// Shared points at which the border of the surface meets itself.
+  [[nodiscard]] std::vector<Index> FindCrossings() const;
   /// The edges of cells that no other cell has on its other side, as they turn.
   /// \returns those that more than two cells have
   std::vector<CrowdedEdge> FindOpenEdges();
@@ -406,7 +412,7 @@ private:
   Eigen::Vector3d Low, High;   ///< the domain
   double DomainWidth = 0.0;    ///< the longest of Lengths
 
-  std::int64_t Undecided = 0;
+  std::vector<Box> Undecided;
   bool WasCapped = false;
   std::vector<Leaf> Leaves;
   Numbering Nodes;                           ///< corners of boxes

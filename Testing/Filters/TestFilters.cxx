@@ -183,6 +183,17 @@ TEST(NURBSSlice, SpheresAndCylindersAreExactAndOtherFunctionsAreSampled)
   vtkPolyData* mesh = run.Update();
   ASSERT_GT(mesh->GetNumberOfCells(), 10);
   EXPECT_GT(FieldNumber(mesh, "UndecidedCells"), 0);
+  vtkDataArray* boxes = mesh->GetFieldData()->GetArray("UndecidedBoxes");
+  ASSERT_NE(boxes, nullptr);
+  ASSERT_EQ(boxes->GetNumberOfComponents(), 7);
+  EXPECT_EQ(boxes->GetNumberOfTuples(), FieldNumber(mesh, "UndecidedCells"));
+  for (vtkIdType b = 0; b < boxes->GetNumberOfTuples(); ++b)
+  {
+    for (int d = 0; d < 3; ++d)
+    {
+      EXPECT_LT(boxes->GetComponent(b, 1 + 2 * d), boxes->GetComponent(b, 2 + 2 * d));
+    }
+  }
   for (vtkIdType v = 0; v < mesh->GetNumberOfPoints(); ++v)
   {
     double x[3];
