@@ -15,7 +15,7 @@ void ZeroSet::Worker::ForMinimalFaces(const Node& low, int size, int normal, Vis
   Node centre = low;
   centre[b] += size / 2;
   centre[c] += size / 2;
-  if (this->MayBeDivided(size) && this->Axes.size() == 3 && this->IsNode(centre))
+  if (this->Axes.size() == 3 && this->IsNode(centre))
   {
     // A box on one of the two sides was halved.
     for (int i = 0; i < 4; ++i)
@@ -36,7 +36,7 @@ void ZeroSet::Worker::ForMinimalEdges(
 {
   Node middle = low;
   middle[static_cast<std::size_t>(axis)] += size / 2;
-  if (this->MayBeDivided(size) && this->IsNode(middle))
+  if (this->IsNode(middle))
   {
     this->ForMinimalEdges(forward ? low : middle, size / 2, axis, forward, visit);
     this->ForMinimalEdges(forward ? middle : low, size / 2, axis, forward, visit);
@@ -90,8 +90,8 @@ std::array<double, 4> ZeroSet::Worker::ValuesAround(const Node& low, int size, i
   return { this->ValueAt(low), this->ValueAt(right), this->ValueAt(opposite), this->ValueAt(top) };
 }
 
-ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(
-  const Node& low, int size, int normal, const std::array<double, 4>& cornerValues)
+ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Node& low, int size, int normal,
+  const std::array<double, 4>& cornerValues, unsigned divided)
 {
   const auto first = static_cast<Index>(this->Curves.size());
   const auto [face, isNew] = this->FaceKeys.Number({ low[0], low[1], low[2], normal });
@@ -111,23 +111,31 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(
   const auto side = [&](const Node& from, int axis, bool forward, double last)
   {
     int left = size;
-    this->ForMinimalEdges(from, size, axis, forward,
-      [&](const Node& at, int length)
+    const auto visit = [&](const Node& at, int length)
+    {
+      Node begin = at;
+      Node end = at;
+      (forward ? end : begin)[static_cast<std::size_t>(axis)] += length;
+      left -= length;
+      const double after = left == 0 ? last : this->ValueAt(end);
+      corners.push_back(begin);
+      if ((before >= 0.0) != (after >= 0.0))
       {
-        Node begin = at;
-        Node end = at;
-        (forward ? end : begin)[static_cast<std::size_t>(axis)] += length;
-        left -= length;
-        const double after = left == 0 ? last : this->ValueAt(end);
-        corners.push_back(begin);
-        if ((before >= 0.0) != (after >= 0.0))
-        {
-          crossings.push_back(
-            { this->VertexOn(at, length, axis, forward ? before : after, forward ? after : before),
-              before >= 0.0, corners.size() });
-        }
-        before = after;
-      });
+        crossings.push_back(
+          { this->VertexOn(at, length, axis, forward ? before : after, forward ? after : before),
+            before >= 0.0, corners.size() });
+      }
+      before = after;
+    };
+    if ((divided & 1u) != 0)
+    {
+      this->ForMinimalEdges(from, size, axis, forward, visit);
+    }
+    else
+    {
+      visit(from, size);
+    }
+    divided >>= 1;
   };
   Node right = low;
   right[static_cast<std::size_t>(b)] += size;
@@ -262,7 +270,6 @@ std::pair<ZeroSet::Worker::Index, bool> ZeroSet::Worker::AddNode(const Node& nod
   if (added.second)
   {
     this->NodeAt.push_back(node);
-    this->NodeBits |= node[0] | node[1] | node[2];
   }
   return added;
 }
@@ -287,7 +294,6 @@ void ZeroSet::Worker::CollectNodes()
     }
   };
   // The corners of leaves, and the places where boxes around them were halved.
-  Numbering halved;
   for (std::size_t l = known; l < this->Leaves.size(); ++l)
   {
     const Leaf& leaf = this->Leaves[l];
@@ -303,10 +309,11 @@ void ZeroSet::Worker::CollectNodes()
       {
         box.Low[static_cast<std::size_t>(d)] &= ~(box.Size - 1);
       }
-      if (!halved.Number({ box.Low[0], box.Low[1], box.Low[2], box.Size }).second)
+      if (!this->HalvedKeys.Number({ box.Low[0], box.Low[1], box.Low[2], box.Size }).second)
       {
         break;
       }
+      this->Halved.push_back(box);
       addCorners(box, 2);
     }
   }
@@ -330,13 +337,82 @@ bool ZeroSet::Worker::FindValues()
     });
 }
 
+ZeroSet::Worker::Sides ZeroSet::Worker::CommonSides(const std::array<int, 3>& offset)
+{
+  const auto step = [&offset](int d) { return offset[static_cast<std::size_t>(d)]; };
+  const auto touches = [&step](int d, bool high) { return step(d) == 0 || (step(d) > 0) == high; };
+  Sides common = 0;
+  for (int d = 0; d < 3; ++d)
+  {
+    const int b = (d + 1) % 3;
+    const int c = (d + 2) % 3;
+    for (const bool high : { false, true })
+    {
+      const bool isBeside = step(b) == 0 && step(c) == 0;
+      common |= isBeside && touches(d, high) ? FaceBit(d, high) : 0u;
+      for (const bool other : { false, true })
+      {
+        const bool isAlong = step(d) == 0 && touches(b, high) && touches(c, other);
+        common |= isAlong ? EdgeBit(d, high, other) : 0u;
+      }
+    }
+  }
+  return common;
+}
+
+void ZeroSet::Worker::FindDivided()
+{
+  this->Divided.assign(this->Leaves.size(), this->Axes.size() < 3 ? AllSides : 0u);
+  if (this->Axes.size() < 3)
+  {
+    return;
+  }
+  Numbering leaves;
+  for (std::size_t l = 0; l < this->Leaves.size(); ++l)
+  {
+    const Box& box = this->Leaves[l].At;
+    leaves.Number({ box.Low[0], box.Low[1], box.Low[2], box.Size });
+    // Nodes on sides may be those of boxes beyond.
+    for (int d = 0; d < 3; ++d)
+    {
+      for (const int step : { -1, 1 })
+      {
+        std::array<int, 3> offset{};
+        offset[static_cast<std::size_t>(d)] = step;
+        const int low = box.Low[static_cast<std::size_t>(d)];
+        this->Divided[l] |=
+          this->GoesOn(d, step < 0 ? low : low + box.Size) ? CommonSides(offset) : 0u;
+      }
+    }
+  }
+  // Others are those of boxes beside that were halved: nodes of smaller ones come with those.
+  for (int i = 0; i < 27; ++i)
+  {
+    const std::array<int, 3> offset{ i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1 };
+    const Sides common = CommonSides({ -offset[0], -offset[1], -offset[2] });
+    if (common == 0 || i == 13)
+    {
+      continue;
+    }
+    for (const Box& box : this->Halved)
+    {
+      const Index leaf = leaves.Find({ box.Low[0] + offset[0] * box.Size,
+        box.Low[1] + offset[1] * box.Size, box.Low[2] + offset[2] * box.Size, box.Size });
+      if (leaf >= 0)
+      {
+        this->Divided[static_cast<std::size_t>(leaf)] |= common;
+      }
+    }
+  }
+}
+
 void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
 {
   const auto& [low, size] = this->Leaves[leaf].At;
   if (this->Axes.size() == 2)
   {
     const int normal = 3 - this->Axes[0] - this->Axes[1];
-    this->TraceFace(low, size, normal, this->ValuesAround(low, size, normal));
+    this->TraceFace(low, size, normal, this->ValuesAround(low, size, normal), AllSides);
     return;
   }
   if (this->Axes.size() == 1)
@@ -366,34 +442,52 @@ void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
   {
     positive |= valueAt(c) >= 0.0 ? 1u << c : 0u;
   }
-  const bool mayBeDivided = this->MayBeDivided(size);
+  const Sides divided = this->Divided[leaf];
   for (int normal = 0; normal < 3; ++normal)
   {
     for (const bool high : { false, true })
     {
       static constexpr std::array<unsigned, 3> Lower{ 0x55, 0x33, 0x0F };
       const unsigned corners = Lower[static_cast<std::size_t>(normal)] << (high ? 1 << normal : 0);
-      if (mayBeDivided || ((positive & corners) != 0 && (positive & corners) != corners))
+      const int b = (normal + 1) % 3;
+      const int c = (normal + 2) % 3;
+      const bool isDivided = (divided & FaceBit(normal, high)) != 0;
+      const std::array<Sides, 4> edges{ EdgeBit(b, false, high), EdgeBit(c, high, true),
+        EdgeBit(b, true, high), EdgeBit(c, high, false) };
+      unsigned dividedEdges = 0;
+      for (std::size_t e = 0; e < 4; ++e)
       {
-        const int b = (normal + 1) % 3;
-        const int c = (normal + 2) % 3;
+        dividedEdges |= (divided & edges[e]) != 0 ? 1u << e : 0u;
+      }
+      if (isDivided || dividedEdges != 0 ||
+        ((positive & corners) != 0 && (positive & corners) != corners))
+      {
         const int lowest = high ? 1 << normal : 0;
         const std::array<double, 4> values{ valueAt(lowest), valueAt(lowest + (1 << b)),
           valueAt(lowest + (1 << b) + (1 << c)), valueAt(lowest + (1 << c)) };
         Node at = low;
         at[static_cast<std::size_t>(normal)] += high ? size : 0;
-        this->ForMinimalFaces(at, size, normal,
-          [&](const Node& part, int partSize)
+        const auto visit = [&](const Node& part, int partSize)
+        {
+          const Index face = partSize == size
+            ? this->TraceFace(part, size, normal, values, dividedEdges)
+            : this->TraceFace(
+                part, partSize, normal, this->ValuesAround(part, partSize, normal), AllSides);
+          this->FacesOfLeaf.push_back(2 * face + (high ? 1 : 0));
+          const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face)];
+          for (Index i = first; i < first + count && this->Leaves[leaf].Height >= 0; ++i)
           {
-            const Index face = this->TraceFace(part, partSize, normal,
-              partSize == size ? values : this->ValuesAround(part, partSize, normal));
-            this->FacesOfLeaf.push_back(2 * face + (high ? 1 : 0));
-            const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face)];
-            for (Index i = first; i < first + count && this->Leaves[leaf].Height >= 0; ++i)
-            {
-              this->Curves[static_cast<std::size_t>(i)].Heights |= 1u << this->Leaves[leaf].Height;
-            }
-          });
+            this->Curves[static_cast<std::size_t>(i)].Heights |= 1u << this->Leaves[leaf].Height;
+          }
+        };
+        if (isDivided)
+        {
+          this->ForMinimalFaces(at, size, normal, visit);
+        }
+        else
+        {
+          visit(at, size);
+        }
       }
       if (this->Leaves[leaf].Flat != 0 && this->IsDrawn(this->Leaves[leaf], normal, high))
       {
@@ -420,6 +514,7 @@ bool ZeroSet::Worker::TraceFaces()
     this->LargestValue = std::max(this->LargestValue, std::abs(value));
   }
 
+  this->FindDivided();
   for (std::size_t leaf = 0; leaf < this->Leaves.size(); ++leaf)
   {
     this->FirstFace.push_back(static_cast<Index>(this->FacesOfLeaf.size()));

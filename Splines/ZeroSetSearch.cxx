@@ -404,7 +404,8 @@ bool ZeroSet::Worker::Search()
   this->Nodes.Clear();
   this->NodeAt.clear();
   this->NodeValues.clear();
-  this->NodeBits = 0;
+  this->Halved.clear();
+  this->HalvedKeys.Clear();
   this->CornersOf.clear();
   this->Leaves.clear();
   this->Pieces.clear();

@@ -242,18 +242,33 @@ private:
     return this
       ->NodeValues[static_cast<std::size_t>(this->Nodes.Find({ node[0], node[1], node[2], 0 }))];
   }
-  /// Whether any node lies on a box of that size other than at its corners.
-  [[nodiscard]] bool MayBeDivided(int size) const { return (this->NodeBits & (size - 1)) != 0; }
   /// Calls visit(low, size) for the parts of a face, or an edge, in which no node lies.
   template <typename Visitor>
   void ForMinimalFaces(const Node& low, int size, int normal, Visitor&& visit) const;
   template <typename Visitor>
   void ForMinimalEdges(const Node& low, int size, int axis, bool forward, Visitor&& visit) const;
+  /// A set of edges and faces of a box.
+  using Sides = unsigned;
+  static constexpr Sides AllSides = ~0u;
+  /// \param b, c whether it is at the upper end of the directions that follow the axis
+  static constexpr Sides EdgeBit(int axis, bool b, bool c)
+  {
+    return 1u << (4 * axis + (b ? 1 : 0) + (c ? 2 : 0));
+  }
+  static constexpr Sides FaceBit(int normal, bool high)
+  {
+    return 1u << (12 + 2 * normal + (high ? 1 : 0));
+  }
+  /// Those that a box has in common with one as large, so many sizes away.
+  [[nodiscard]] static Sides CommonSides(const std::array<int, 3>& offset);
+  void FindDivided();
   void TraceLeaf(std::size_t leaf);
   /// Of the surface in a face in which no node lies.
   /// \returns its number, or -1 where nothing of the surface is
   /// \param values ValuesAround() it
-  Index TraceFace(const Node& low, int size, int normal, const std::array<double, 4>& values);
+  /// \param divided bits of the edges, counter-clockwise from the lowest, on which nodes may lie
+  Index TraceFace(
+    const Node& low, int size, int normal, const std::array<double, 4>& values, unsigned divided);
   /// Of f at the corners of a face, counter-clockwise from the lowest.
   [[nodiscard]] std::array<double, 4> ValuesAround(const Node& low, int size, int normal) const;
   /// Whether f is 0 on a face of a leaf and positive inside, by its corners.
@@ -415,8 +430,10 @@ private:
   std::vector<Box> Undecided;
   bool WasCapped = false;
   std::vector<Leaf> Leaves;
+  std::vector<Sides> Divided;                ///< of leaves, those on which nodes may lie
+  std::vector<Box> Halved;                   ///< boxes
+  Numbering HalvedKeys;                      ///< lower node and size
   Numbering Nodes;                           ///< corners of boxes
-  int NodeBits = 0;                          ///< all that are set in their coordinates
   std::vector<std::array<int, 8>> CornersOf; ///< of leaves, as nodes
   std::vector<Node> NodeAt;
   std::vector<double> NodeValues;
