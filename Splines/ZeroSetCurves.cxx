@@ -23,11 +23,12 @@ bool ZeroSet::Worker::FollowCurves()
 bool ZeroSet::Worker::FindCurves()
 {
   const auto count = static_cast<Index>(this->Curves.size());
+  const std::vector<Index> kept = this->FindKept();
   constexpr Index Grain = 64;
   std::vector<Samples> found(static_cast<std::size_t>((count + Grain - 1) / Grain));
   const bool finished = this->Parallel(count, Grain,
     [&](Index begin, Index end)
-    { this->Bend(begin, end, found[static_cast<std::size_t>(begin / Grain)]); });
+    { this->Bend(begin, end, kept, found[static_cast<std::size_t>(begin / Grain)]); });
   if (!finished)
   {
     return false;
@@ -40,6 +41,7 @@ bool ZeroSet::Worker::FindCurves()
     total += samples.Count();
   }
   this->Shared.Resize(*this, total);
+  this->Before = Round();
   for (std::size_t chunk = 0; chunk < found.size(); ++chunk)
   {
     this->Copy(found[chunk], 0, this->Shared, start[chunk], found[chunk].Count());
@@ -52,15 +54,62 @@ bool ZeroSet::Worker::FindCurves()
   return true;
 }
 
-void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
+std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::FindKept() const
+{
+  std::vector<Index> kept(this->Curves.size(), -1);
+  const auto isSame = [this](Index now, Index before)
+  {
+    return this->Shared.Parameters.col(now) == this->Before.Shared.Parameters.col(before) &&
+      this->Shared.Points.col(now) == this->Before.Shared.Points.col(before);
+  };
+  for (std::size_t f = 0; f < this->CurvesOfFace.size() && !this->Before.Curves.empty(); ++f)
+  {
+    const Index face = this->Before.FaceKeys.Find(this->FaceKeys.At(static_cast<Index>(f)));
+    if (face < 0)
+    {
+      continue;
+    }
+    const auto [first, count] = this->CurvesOfFace[f];
+    const auto [firstBefore, countBefore] =
+      this->Before.CurvesOfFace[static_cast<std::size_t>(face)];
+    for (Index c = first; c < first + count; ++c)
+    {
+      const Curve& curve = this->Curves[static_cast<std::size_t>(c)];
+      for (Index b = firstBefore; b < firstBefore + countBefore; ++b)
+      {
+        const Curve& before = this->Before.Curves[static_cast<std::size_t>(b)];
+        if (this->CurveOf[static_cast<std::size_t>(c)] == c &&
+          this->Before.CurveOf[static_cast<std::size_t>(b)] == b &&
+          curve.Heights == before.Heights && curve.EdgeAxis == before.EdgeAxis &&
+          isSame(curve.From, before.From) && isSame(curve.To, before.To))
+        {
+          kept[static_cast<std::size_t>(c)] = b;
+        }
+      }
+    }
+  }
+  return kept;
+}
+
+void ZeroSet::Worker::Bend(Index begin, Index end, const std::vector<Index>& kept, Samples& found)
 {
   const auto n = static_cast<std::size_t>(end - begin);
   const auto curve = [this, begin](std::size_t k) -> Curve&
   { return this->Curves[static_cast<std::size_t>(begin) + k]; };
   std::vector<std::size_t> open;
+  std::vector<Samples> done(n); // inner points of curves that are finished
   for (std::size_t k = 0; k < n; ++k)
   {
-    if (this->CurveOf[static_cast<std::size_t>(begin) + k] == begin + static_cast<Index>(k))
+    const Index before = kept[static_cast<std::size_t>(begin) + k];
+    if (before >= 0)
+    {
+      const Curve& same = this->Before.Curves[static_cast<std::size_t>(before)];
+      curve(k).Measured = same.Measured;
+      curve(k).HasFailed = same.HasFailed;
+      done[k].Resize(*this, same.Count);
+      this->Copy(this->Before.Shared, same.First, done[k], 0, same.Count);
+    }
+    else if (this->CurveOf[static_cast<std::size_t>(begin) + k] == begin + static_cast<Index>(k))
     {
       open.push_back(k);
     }
@@ -125,7 +174,6 @@ void ZeroSet::Worker::Bend(Index begin, Index end, Samples& found)
     }
   }
   open = std::move(next);
-  std::vector<Samples> done(n); // inner points of curves that are finished
   std::vector<int> axes;
   std::vector<char> projected;
   constexpr int Rounds = 6;

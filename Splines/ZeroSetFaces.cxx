@@ -501,13 +501,17 @@ void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
 
 bool ZeroSet::Worker::TraceFaces()
 {
-  this->VertexKeys.Clear();
-  this->FaceKeys.Clear();
-  this->CurvesOfFace.clear();
+  Round round;
+  round.Vertices.swap(this->Vertices);
+  std::swap(round.VertexKeys, this->VertexKeys);
+  std::swap(round.FaceKeys, this->FaceKeys);
+  round.Curves.swap(this->Curves);
+  round.CurvesOfFace.swap(this->CurvesOfFace);
+  round.CurveOf.swap(this->CurveOf);
+  std::swap(round.Shared, this->Shared);
+  this->Before = std::move(round);
   this->FacesOfLeaf.clear();
   this->FirstFace.clear();
-  this->Vertices.clear();
-  this->Curves.clear();
   this->LargestValue = 0.0;
   for (const double value : this->NodeValues)
   {

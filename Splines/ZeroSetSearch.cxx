@@ -406,6 +406,9 @@ bool ZeroSet::Worker::Search()
   this->NodeValues.clear();
   this->Halved.clear();
   this->HalvedKeys.Clear();
+  this->Before = Round();
+  this->Vertices.clear();
+  this->Curves.clear();
   this->CornersOf.clear();
   this->Leaves.clear();
   this->Pieces.clear();

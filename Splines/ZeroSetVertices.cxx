@@ -32,7 +32,7 @@ bool ZeroSet::Worker::FindVertices()
       // weights, and a bisection wherever it does not halve the bracket in three steps.
       struct Bracket
       {
-        Index Vertex;
+        Index Sample;
         int Axis;
         double Low, High, FLow, FHigh;
         double WeightLow, WeightHigh; ///< Illinois: of an end that stays
@@ -43,15 +43,26 @@ bool ZeroSet::Worker::FindVertices()
       std::vector<Bracket> open;
       std::vector<double> parameters;
       std::vector<double> values;
+      std::vector<Index> wanted;
       for (Index v = begin; v < end; ++v)
       {
-        const Vertex& vertex = this->Vertices[static_cast<std::size_t>(v)];
-        this->Shared.Parameters.col(v) = this->ParameterOf(vertex.At);
+        if (!this->TakeBefore(v))
+        {
+          wanted.push_back(v);
+        }
+      }
+      Samples samples;
+      samples.Resize(*this, static_cast<Index>(wanted.size()));
+      for (Index i = 0; i < samples.Count(); ++i)
+      {
+        const auto v = static_cast<std::size_t>(wanted[static_cast<std::size_t>(i)]);
+        const Vertex& vertex = this->Vertices[v];
+        samples.Parameters.col(i) = this->ParameterOf(vertex.At);
         if (vertex.Axis > 3)
         {
           const int axis = vertex.Axis - 4;
           const int line = vertex.At[static_cast<std::size_t>(axis)];
-          double& middle = this->Shared.Parameters(axis, v);
+          double& middle = samples.Parameters(axis, i);
           middle = 0.5 * (middle + this->Line(axis, line + vertex.Size));
         }
         if (vertex.Axis < 3)
@@ -66,7 +77,7 @@ bool ZeroSet::Worker::FindVertices()
             std::swap(low, high);
             std::swap(fLow, fHigh);
           }
-          open.push_back({ v, vertex.Axis, low, high, fLow, fHigh, 1.0, 1.0, high - low, 0, 0 });
+          open.push_back({ i, vertex.Axis, low, high, fLow, fHigh, 1.0, 1.0, high - low, 0, 0 });
         }
       }
       for (int iteration = 0; !open.empty(); ++iteration)
@@ -97,7 +108,7 @@ bool ZeroSet::Worker::FindVertices()
           t = t < o.High - step ? t : o.High - step;
           for (int d = 0; d < 3; ++d)
           {
-            parameters[3 * b + static_cast<std::size_t>(d)] = this->Shared.Parameters(d, o.Vertex);
+            parameters[3 * b + static_cast<std::size_t>(d)] = samples.Parameters(d, o.Sample);
           }
           parameters[3 * b + static_cast<std::size_t>(o.Axis)] = t;
         }
@@ -128,7 +139,7 @@ bool ZeroSet::Worker::FindVertices()
             !std::isfinite(f))
           {
             const bool low = std::abs(o.FLow) < std::abs(o.FHigh);
-            this->Shared.Parameters(o.Axis, o.Vertex) = low ? o.Low : o.High;
+            samples.Parameters(o.Axis, o.Sample) = low ? o.Low : o.High;
           }
           else
           {
@@ -137,18 +148,20 @@ bool ZeroSet::Worker::FindVertices()
         }
         open.resize(kept);
       }
-      this->Evaluate(this->Shared, begin, end);
-      for (Index v = begin; v < end; ++v)
+      this->Evaluate(samples, 0, samples.Count());
+      for (Index i = 0; i < samples.Count(); ++i)
       {
+        const Index v = wanted[static_cast<std::size_t>(i)];
         Vertex& vertex = this->Vertices[static_cast<std::size_t>(v)];
         if (vertex.Axis < 3)
         {
           const int line = vertex.At[static_cast<std::size_t>(vertex.Axis)];
           const double low = this->Line(vertex.Axis, line);
           const double high = this->Line(vertex.Axis, line + vertex.Size);
-          vertex.Fraction = (this->Shared.Parameters(vertex.Axis, v) - low) / (high - low);
+          vertex.Fraction = (samples.Parameters(vertex.Axis, i) - low) / (high - low);
         }
-        vertex.IsZero = this->Shared.Residuals[v] == 0.0;
+        vertex.IsZero = samples.Residuals[i] == 0.0;
+        this->Copy(samples, i, this->Shared, v, 1);
       }
     });
 }
@@ -281,6 +294,24 @@ std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::JoinAround(const Node& node
     }
   }
   return joined;
+}
+
+bool ZeroSet::Worker::TakeBefore(Index v)
+{
+  Vertex& vertex = this->Vertices[static_cast<std::size_t>(v)];
+  const Index before = this->Before.VertexKeys.Find(this->VertexKeys.At(v));
+  if (before < 0)
+  {
+    return false;
+  }
+  const Vertex& same = this->Before.Vertices[static_cast<std::size_t>(before)];
+  if (same.Size != vertex.Size || same.FLow != vertex.FLow || same.FHigh != vertex.FHigh)
+  {
+    return false;
+  }
+  vertex = same;
+  this->Copy(this->Before.Shared, before, this->Shared, v, 1);
+  return true;
 }
 
 void ZeroSet::Worker::Snap()

@@ -284,6 +284,8 @@ private:
 
   // Vertices: ZeroSetVertices.cxx
   bool FindVertices();
+  /// A vertex from the round before. \returns false where it had no such vertex
+  bool TakeBefore(Index v);
   /// Joins vertices that lie close together around a node, and the curves that become one by that.
   void Snap();
   /// No more vertices than that are around a node: on its edges, and itself.
@@ -299,7 +301,9 @@ private:
   /// Snap() and FindCurves().
   bool FollowCurves();
   bool FindCurves();
-  void Bend(Index begin, Index end, Samples& found);
+  /// Per curve, the same one of the round before, or -1.
+  [[nodiscard]] std::vector<Index> FindKept() const;
+  void Bend(Index begin, Index end, const std::vector<Index>& kept, Samples& found);
   /// Moves points along one axis each onto f = 0; `projected`: where that worked.
   void Project(
     Eigen::Matrix3Xd& parameters, const std::vector<int>& axes, std::vector<char>& projected) const;
@@ -464,6 +468,17 @@ private:
   std::vector<Node> Around;
   std::vector<Index> CurveOf; ///< the first of the curves with the same ends; -1: no length
   Samples Shared;
+  /// All that, of the round of refinement before: most of it stays as it is.
+  struct Round
+  {
+    std::vector<Vertex> Vertices;
+    Numbering VertexKeys, FaceKeys;
+    std::vector<Curve> Curves;
+    std::vector<std::array<Index, 2>> CurvesOfFace;
+    std::vector<Index> CurveOf;
+    Samples Shared;
+  };
+  Round Before;
   std::vector<Facets> Pieces;                  ///< per leaf
   ZeroSetCertificate Taken;                    ///< errors of points that were taken from neighbors
   std::vector<std::array<Index, 2>> OpenEdges; ///< of shared points, as they turn
