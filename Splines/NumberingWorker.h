@@ -27,11 +27,6 @@ public:
   }
   [[nodiscard]] std::size_t Count() const { return this->Keys.size(); }
 
-  [[nodiscard]] const Key& At(std::int64_t number) const
-  {
-    return this->Keys[static_cast<std::size_t>(number)];
-  }
-
   /// The number of the key, and whether it is new.
   std::pair<std::int64_t, bool> Number(const Key& key)
   {

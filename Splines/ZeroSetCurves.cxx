@@ -62,16 +62,17 @@ std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::FindKept() const
     return this->Shared.Parameters.col(now) == this->Before.Shared.Parameters.col(before) &&
       this->Shared.Points.col(now) == this->Before.Shared.Points.col(before);
   };
-  for (std::size_t f = 0; f < this->CurvesOfFace.size() && !this->Before.Curves.empty(); ++f)
+  for (std::size_t i = 0; i < 6 * this->Before.AtNode.size(); ++i)
   {
-    const Index face = this->Before.FaceKeys.Find(this->FaceKeys.At(static_cast<Index>(f)));
-    if (face < 0)
+    const int face = this->AtNode[i / 6].Faces[i % 6];
+    const int faceBefore = this->Before.AtNode[i / 6].Faces[i % 6];
+    if (face < 0 || faceBefore < 0)
     {
       continue;
     }
-    const auto [first, count] = this->CurvesOfFace[f];
+    const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face)];
     const auto [firstBefore, countBefore] =
-      this->Before.CurvesOfFace[static_cast<std::size_t>(face)];
+      this->Before.CurvesOfFace[static_cast<std::size_t>(faceBefore)];
     for (Index c = first; c < first + count; ++c)
     {
       const Curve& curve = this->Curves[static_cast<std::size_t>(c)];

@@ -8,62 +8,82 @@ namespace hyperpatch
 {
 
 template <typename Visitor>
-void ZeroSet::Worker::ForMinimalFaces(const Node& low, int size, int normal, Visitor&& visit) const
+void ZeroSet::Worker::ForMinimalFaces(const Face& face, Visitor&& visit) const
 {
-  const auto b = static_cast<std::size_t>((normal + 1) % 3);
-  const auto c = static_cast<std::size_t>((normal + 2) % 3);
-  Node centre = low;
-  centre[b] += size / 2;
-  centre[c] += size / 2;
-  if (this->Axes.size() == 3 && this->IsNode(centre))
+  const auto b = static_cast<std::size_t>((face.Normal + 1) % 3);
+  const auto c = static_cast<std::size_t>((face.Normal + 2) % 3);
+  const int half = face.Size / 2;
+  const auto find = [&](int i, int j)
   {
-    // A box on one of the two sides was halved.
-    for (int i = 0; i < 4; ++i)
-    {
-      Node at = low;
-      at[b] += (i & 1) * (size / 2);
-      at[c] += (i >> 1) * (size / 2);
-      this->ForMinimalFaces(at, size / 2, normal, visit);
-    }
+    Node node = face.At;
+    node[b] += i * half;
+    node[c] += j * half;
+    return static_cast<int>(this->Find(node));
+  };
+  const int centre = half > 0 ? find(1, 1) : -1;
+  if (centre < 0)
+  {
+    visit(face);
     return;
   }
-  visit(low, size);
+  // A box on one of the two sides was halved.
+  const std::array<int, 4> middles{ find(1, 0), find(2, 1), find(1, 2), find(0, 1) };
+  Face part{ face.At, half, face.Normal, { face.Corners[0], middles[0], centre, middles[3] } };
+  this->ForMinimalFaces(part, visit);
+  part.At[b] += half;
+  part.Corners = { middles[0], face.Corners[1], middles[1], centre };
+  this->ForMinimalFaces(part, visit);
+  part.At[b] -= half;
+  part.At[c] += half;
+  part.Corners = { middles[3], centre, middles[2], face.Corners[3] };
+  this->ForMinimalFaces(part, visit);
+  part.At[b] += half;
+  part.Corners = { centre, middles[1], face.Corners[2], middles[2] };
+  this->ForMinimalFaces(part, visit);
 }
 
 template <typename Visitor>
-void ZeroSet::Worker::ForMinimalEdges(
-  const Node& low, int size, int axis, bool forward, Visitor&& visit) const
+void ZeroSet::Worker::ForMinimalEdges(const Edge& edge, bool forward, Visitor&& visit) const
 {
-  Node middle = low;
-  middle[static_cast<std::size_t>(axis)] += size / 2;
-  if (this->IsNode(middle))
+  Node node = edge.At;
+  node[static_cast<std::size_t>(edge.Axis)] += edge.Size / 2;
+  const auto middle = static_cast<int>(edge.Size > 1 ? this->Find(node) : -1);
+  if (middle < 0)
   {
-    this->ForMinimalEdges(forward ? low : middle, size / 2, axis, forward, visit);
-    this->ForMinimalEdges(forward ? middle : low, size / 2, axis, forward, visit);
+    visit(edge);
     return;
   }
-  visit(low, size);
+  const std::array<Edge, 2> parts{ { { edge.At, edge.Size / 2, edge.Axis, edge.Low, middle },
+    { node, edge.Size / 2, edge.Axis, middle, edge.High } } };
+  this->ForMinimalEdges(parts[forward ? 0 : 1], forward, visit);
+  this->ForMinimalEdges(parts[forward ? 1 : 0], forward, visit);
 }
 
-ZeroSet::Worker::Index ZeroSet::Worker::VertexOn(
-  const Node& low, int size, int axis, double fLow, double fHigh)
+ZeroSet::Worker::Index ZeroSet::Worker::VertexOn(const Edge& edge)
 {
   // Only a positive end can be zero; then the vertex is that node.
-  Vertex vertex{ low, axis, size, fLow, fHigh, 0.0, false };
-  if (fLow == 0.0 || fHigh == 0.0)
+  const double low = this->ValueAt(edge.Low);
+  const double high = this->ValueAt(edge.High);
+  if (low == 0.0 || high == 0.0)
   {
-    vertex = { low, 3, 0, 0.0, 0.0, 0.0, true };
-    vertex.At[static_cast<std::size_t>(axis)] += fLow == 0.0 ? 0 : size;
+    return this->VertexAt(low == 0.0 ? edge.Low : edge.High);
   }
-  return this->AddVertex(vertex);
+  return this->AddVertex(edge.Low, { edge.At, edge.Axis, edge.Size, low, high, 0.0, false });
 }
 
-ZeroSet::Worker::Index ZeroSet::Worker::AddVertex(const Vertex& vertex)
+ZeroSet::Worker::Index ZeroSet::Worker::VertexAt(int node)
 {
-  const auto [number, isNew] =
-    this->VertexKeys.Number({ vertex.At[0], vertex.At[1], vertex.At[2], vertex.Axis });
-  if (isNew)
+  return this->AddVertex(
+    node, { this->NodeAt[static_cast<std::size_t>(node)], 3, 0, 0.0, 0.0, 0.0, true });
+}
+
+ZeroSet::Worker::Index ZeroSet::Worker::AddVertex(int node, const Vertex& vertex)
+{
+  int& number =
+    this->AtNode[static_cast<std::size_t>(node)].Vertices[static_cast<std::size_t>(vertex.Axis)];
+  if (number < 0)
   {
+    number = static_cast<int>(this->Vertices.size());
     this->Vertices.push_back(vertex);
   }
   return number;
@@ -77,77 +97,63 @@ bool ZeroSet::Worker::GoesOn(int direction, int line) const
   return (line == 0 || atEnd) && this->GoesBeyond[2 * d + (atEnd != lines.IsMirrored() ? 1 : 0)];
 }
 
-std::array<double, 4> ZeroSet::Worker::ValuesAround(const Node& low, int size, int normal) const
+std::array<ZeroSet::Worker::Edge, 4> ZeroSet::Worker::EdgesOf(const Face& face)
 {
-  const auto b = static_cast<std::size_t>((normal + 1) % 3);
-  const auto c = static_cast<std::size_t>((normal + 2) % 3);
-  Node right = low;
-  right[b] += size;
-  Node top = low;
-  top[c] += size;
-  Node opposite = right;
-  opposite[c] += size;
-  return { this->ValueAt(low), this->ValueAt(right), this->ValueAt(opposite), this->ValueAt(top) };
-}
-
-ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Node& low, int size, int normal,
-  const std::array<double, 4>& cornerValues, unsigned divided)
-{
-  const auto first = static_cast<Index>(this->Curves.size());
-  const auto [face, isNew] = this->FaceKeys.Number({ low[0], low[1], low[2], normal });
-  if (!isNew)
-  {
-    return face;
-  }
-  this->CurvesOfFace.push_back({ first, 0 });
-  // Once around, counter-clockwise seen from the end of the normal axis.
+  const auto& [low, size, normal, nodes] = face;
   const int b = (normal + 1) % 3;
   const int c = (normal + 2) % 3;
-  std::vector<Crossing>& crossings = this->Crossings;
-  std::vector<Node>& corners = this->Around;
-  crossings.clear();
-  corners.clear();
-  double before = cornerValues[0];
-  const auto side = [&](const Node& from, int axis, bool forward, double last)
-  {
-    int left = size;
-    const auto visit = [&](const Node& at, int length)
-    {
-      Node begin = at;
-      Node end = at;
-      (forward ? end : begin)[static_cast<std::size_t>(axis)] += length;
-      left -= length;
-      const double after = left == 0 ? last : this->ValueAt(end);
-      corners.push_back(begin);
-      if ((before >= 0.0) != (after >= 0.0))
-      {
-        crossings.push_back(
-          { this->VertexOn(at, length, axis, forward ? before : after, forward ? after : before),
-            before >= 0.0, corners.size() });
-      }
-      before = after;
-    };
-    if ((divided & 1u) != 0)
-    {
-      this->ForMinimalEdges(from, size, axis, forward, visit);
-    }
-    else
-    {
-      visit(from, size);
-    }
-    divided >>= 1;
-  };
   Node right = low;
   right[static_cast<std::size_t>(b)] += size;
   Node top = low;
   top[static_cast<std::size_t>(c)] += size;
-  side(low, b, true, cornerValues[1]);
-  side(right, c, true, cornerValues[2]);
-  side(top, b, false, cornerValues[3]);
-  side(low, c, false, cornerValues[0]);
+  return { { { low, size, b, nodes[0], nodes[1] }, { right, size, c, nodes[1], nodes[2] },
+    { top, size, b, nodes[3], nodes[2] }, { low, size, c, nodes[0], nodes[3] } } };
+}
+
+ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Face& face, unsigned divided)
+{
+  const auto& [low, size, normal, nodes] = face;
+  int& number =
+    this->AtNode[static_cast<std::size_t>(nodes[0])].Faces[static_cast<std::size_t>(normal)];
+  if (number >= 0)
+  {
+    return number;
+  }
+  number = static_cast<int>(this->CurvesOfFace.size());
+  const auto first = static_cast<Index>(this->Curves.size());
+  this->CurvesOfFace.push_back({ first, 0 });
+  // Once around, counter-clockwise seen from the end of the normal axis.
+  std::vector<Crossing>& crossings = this->Crossings;
+  std::vector<int>& corners = this->Around;
+  crossings.clear();
+  corners.clear();
+  const std::array<Edge, 4> edges = EdgesOf(face);
+  bool before = this->ValueAt(nodes[0]) >= 0.0;
+  for (std::size_t e = 0; e < 4; ++e)
+  {
+    const bool forward = e < 2;
+    const auto visit = [&](const Edge& edge)
+    {
+      corners.push_back(forward ? edge.Low : edge.High);
+      const bool after = this->ValueAt(forward ? edge.High : edge.Low) >= 0.0;
+      if (before != after)
+      {
+        crossings.push_back({ this->VertexOn(edge), before, corners.size() });
+      }
+      before = after;
+    };
+    if ((divided >> e & 1u) != 0)
+    {
+      this->ForMinimalEdges(edges[e], forward, visit);
+    }
+    else
+    {
+      visit(edges[e]);
+    }
+  }
   if (crossings.empty())
   {
-    return face;
+    return number;
   }
   const int line = low[static_cast<std::size_t>(normal)];
   const bool onCrease =
@@ -155,19 +161,18 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Node& low, int size, int
   bool cutNegative = true;
   if (crossings.size() > 2)
   {
-    Node opposite = right;
-    opposite[static_cast<std::size_t>(c)] += size;
     double value = 0.0;
     if (this->GoesOn(normal, line))
     {
       // Of what both sides know, and in an order that both can find.
-      std::array<double, 4> values{ this->ValueAt(low), this->ValueAt(right), this->ValueAt(top),
-        this->ValueAt(opposite) };
+      std::array<double, 4> values{ this->ValueAt(nodes[0]), this->ValueAt(nodes[1]),
+        this->ValueAt(nodes[2]), this->ValueAt(nodes[3]) };
       std::sort(values.begin(), values.end());
       value = values[0] + values[1] + values[2] + values[3];
     }
     else
     {
+      const Node& opposite = this->NodeAt[static_cast<std::size_t>(nodes[2])];
       const Eigen::Vector3d middle = 0.5 * (this->ParameterOf(low) + this->ParameterOf(opposite));
       this->Field.Evaluate(1, middle.data(), &value);
     }
@@ -189,7 +194,7 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Node& low, int size, int
     const std::size_t begin = crossings[other].Corner;
     std::size_t end = crossings[i].Corner;
     end += end < begin ? corners.size() : 0;
-    const auto corner = [&](std::size_t k) -> const Node& { return corners[k % corners.size()]; };
+    const auto corner = [&](std::size_t k) { return corners[k % corners.size()]; };
     bool isZero = crossings.size() == 2;
     for (std::size_t k = begin; k < end && isZero; ++k)
     {
@@ -197,7 +202,7 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Node& low, int size, int
     }
     for (std::size_t k = end; k > begin + 1 && isZero; --k)
     {
-      const Index next = this->AddVertex({ corner(k - 2), 3, 0, 0.0, 0.0, 0.0, true });
+      const Index next = this->VertexAt(corner(k - 2));
       add(from, next);
       from = next;
     }
@@ -207,7 +212,7 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Node& low, int size, int
     }
   }
   this->CurvesOfFace.back()[1] = static_cast<Index>(this->Curves.size()) - first;
-  return face;
+  return number;
 }
 
 bool ZeroSet::Worker::IsFlat(const Leaf& leaf, int normal, bool high) const
@@ -217,7 +222,7 @@ bool ZeroSet::Worker::IsFlat(const Leaf& leaf, int normal, bool high) const
   {
     const Node node{ low[0] + (c & 1) * size, low[1] + (c >> 1 & 1) * size,
       low[2] + (c >> 2) * size };
-    const double value = this->ValueAt(node);
+    const double value = this->ValueAt(static_cast<int>(this->Find(node)));
     const bool onFace = ((c >> normal & 1) != 0) == high;
     if (onFace ? value != 0.0 : value < 0.0)
     {
@@ -232,35 +237,26 @@ bool ZeroSet::Worker::IsDrawn(const Leaf& leaf, int normal, bool high) const
   return (leaf.Flat >> (2 * normal + (high ? 1 : 0)) & 1u) != 0 && this->IsFlat(leaf, normal, high);
 }
 
-void ZeroSet::Worker::TraceFlat(const Node& low, int size, int normal)
+void ZeroSet::Worker::TraceFlat(const Face& face)
 {
   // Its outline, counter-clockwise seen from the end of the normal axis.
+  const auto& [low, size, normal, nodes] = face;
+  this->AtNode[static_cast<std::size_t>(nodes[0])].Faces[static_cast<std::size_t>(3 + normal)] =
+    static_cast<int>(this->CurvesOfFace.size());
   const auto first = static_cast<Index>(this->Curves.size());
-  const auto b = static_cast<std::size_t>((normal + 1) % 3);
-  const auto c = static_cast<std::size_t>((normal + 2) % 3);
-  this->FaceKeys.Number({ low[0], low[1], low[2], 3 + normal });
-  const auto vertexAt = [this](const Node& node) {
-    return this->AddVertex({ node, 3, 0, 0.0, 0.0, 0.0, true });
-  };
-  const auto side = [&](const Node& from, std::size_t axis, bool forward)
+  const int line = low[static_cast<std::size_t>(normal)];
+  const std::array<Edge, 4> edges = EdgesOf(face);
+  for (std::size_t e = 0; e < 4; ++e)
   {
-    this->ForMinimalEdges(from, size, static_cast<int>(axis), forward,
-      [&](const Node& at, int length)
+    const bool forward = e < 2;
+    this->ForMinimalEdges(edges[e], forward,
+      [&](const Edge& edge)
       {
-        Node end = at;
-        end[axis] += length;
-        this->Curves.push_back({ vertexAt(forward ? at : end), vertexAt(forward ? end : at), 0, 0,
-          normal, true, false, {}, low[static_cast<std::size_t>(normal)], -1 });
+        this->Curves.push_back({ this->VertexAt(forward ? edge.Low : edge.High),
+          this->VertexAt(forward ? edge.High : edge.Low), 0, 0, normal, true, false, {}, line,
+          -1 });
       });
-  };
-  Node right = low;
-  right[b] += size;
-  Node top = low;
-  top[c] += size;
-  side(low, b, true);
-  side(right, c, true);
-  side(top, b, false);
-  side(low, c, false);
+  }
   this->CurvesOfFace.push_back({ first, static_cast<Index>(this->Curves.size()) - first });
 }
 
@@ -408,39 +404,41 @@ void ZeroSet::Worker::FindDivided()
 
 void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
 {
-  const auto& [low, size] = this->Leaves[leaf].At;
+  const Leaf& traced = this->Leaves[leaf];
+  const auto& [low, size] = traced.At;
+  const std::array<int, 8>& nodes = this->CornersOf[leaf];
+  const auto face = [&](int normal, bool high)
+  {
+    const std::size_t b = 1u << (normal + 1) % 3;
+    const std::size_t c = 1u << (normal + 2) % 3;
+    const std::size_t lowest = high ? 1u << normal : 0u;
+    Node at = low;
+    at[static_cast<std::size_t>(normal)] += high ? size : 0;
+    return Face{ at, size, normal,
+      { nodes[lowest], nodes[lowest + b], nodes[lowest + b + c], nodes[lowest + c] } };
+  };
   if (this->Axes.size() == 2)
   {
-    const int normal = 3 - this->Axes[0] - this->Axes[1];
-    this->TraceFace(low, size, normal, this->ValuesAround(low, size, normal), AllSides);
+    this->TraceFace(face(3 - this->Axes[0] - this->Axes[1], false), AllSides);
     return;
   }
   if (this->Axes.size() == 1)
   {
-    double before = this->ValueAt(low);
-    this->ForMinimalEdges(low, size, this->Axes[0], true,
-      [&](const Node& at, int length)
+    const int axis = this->Axes[0];
+    this->ForMinimalEdges({ low, size, axis, nodes[0], nodes[std::size_t{ 1 } << axis] }, true,
+      [&](const Edge& edge)
       {
-        Node end = at;
-        end[static_cast<std::size_t>(this->Axes[0])] += length;
-        const double after = this->ValueAt(end);
-        if ((before >= 0.0) != (after >= 0.0))
+        if ((this->ValueAt(edge.Low) >= 0.0) != (this->ValueAt(edge.High) >= 0.0))
         {
-          this->VertexOn(at, length, this->Axes[0], before, after);
+          this->VertexOn(edge);
         }
-        before = after;
       });
     return;
   }
-  const auto valueAt = [this, leaf](int corner)
-  {
-    const int node = this->CornersOf[leaf][static_cast<std::size_t>(corner)];
-    return this->NodeValues[static_cast<std::size_t>(node)];
-  };
   unsigned positive = 0; // bits of corners
-  for (int c = 0; c < 8; ++c)
+  for (std::size_t c = 0; c < 8; ++c)
   {
-    positive |= valueAt(c) >= 0.0 ? 1u << c : 0u;
+    positive |= this->ValueAt(nodes[c]) >= 0.0 ? 1u << c : 0u;
   }
   const Sides divided = this->Divided[leaf];
   for (int normal = 0; normal < 3; ++normal)
@@ -451,7 +449,6 @@ void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
       const unsigned corners = Lower[static_cast<std::size_t>(normal)] << (high ? 1 << normal : 0);
       const int b = (normal + 1) % 3;
       const int c = (normal + 2) % 3;
-      const bool isDivided = (divided & FaceBit(normal, high)) != 0;
       const std::array<Sides, 4> edges{ EdgeBit(b, false, high), EdgeBit(c, high, true),
         EdgeBit(b, true, high), EdgeBit(c, high, false) };
       unsigned dividedEdges = 0;
@@ -459,41 +456,27 @@ void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
       {
         dividedEdges |= (divided & edges[e]) != 0 ? 1u << e : 0u;
       }
-      if (isDivided || dividedEdges != 0 ||
-        ((positive & corners) != 0 && (positive & corners) != corners))
+      const auto visit = [&](const Face& part)
       {
-        const int lowest = high ? 1 << normal : 0;
-        const std::array<double, 4> values{ valueAt(lowest), valueAt(lowest + (1 << b)),
-          valueAt(lowest + (1 << b) + (1 << c)), valueAt(lowest + (1 << c)) };
-        Node at = low;
-        at[static_cast<std::size_t>(normal)] += high ? size : 0;
-        const auto visit = [&](const Node& part, int partSize)
+        const Index number = this->TraceFace(part, part.Size == size ? dividedEdges : AllSides);
+        this->FacesOfLeaf.push_back(2 * number + (high ? 1 : 0));
+        const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(number)];
+        for (Index i = first; i < first + count && traced.Height >= 0; ++i)
         {
-          const Index face = partSize == size
-            ? this->TraceFace(part, size, normal, values, dividedEdges)
-            : this->TraceFace(
-                part, partSize, normal, this->ValuesAround(part, partSize, normal), AllSides);
-          this->FacesOfLeaf.push_back(2 * face + (high ? 1 : 0));
-          const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face)];
-          for (Index i = first; i < first + count && this->Leaves[leaf].Height >= 0; ++i)
-          {
-            this->Curves[static_cast<std::size_t>(i)].Heights |= 1u << this->Leaves[leaf].Height;
-          }
-        };
-        if (isDivided)
-        {
-          this->ForMinimalFaces(at, size, normal, visit);
+          this->Curves[static_cast<std::size_t>(i)].Heights |= 1u << traced.Height;
         }
-        else
-        {
-          visit(at, size);
-        }
+      };
+      if ((divided & FaceBit(normal, high)) != 0)
+      {
+        this->ForMinimalFaces(face(normal, high), visit);
       }
-      if (this->Leaves[leaf].Flat != 0 && this->IsDrawn(this->Leaves[leaf], normal, high))
+      else if (dividedEdges != 0 || ((positive & corners) != 0 && (positive & corners) != corners))
       {
-        Node at = low;
-        at[static_cast<std::size_t>(normal)] += high ? size : 0;
-        this->TraceFlat(at, size, normal);
+        visit(face(normal, high));
+      }
+      if (traced.Flat != 0 && this->IsDrawn(traced, normal, high))
+      {
+        this->TraceFlat(face(normal, high));
       }
     }
   }
@@ -503,13 +486,13 @@ bool ZeroSet::Worker::TraceFaces()
 {
   Round round;
   round.Vertices.swap(this->Vertices);
-  std::swap(round.VertexKeys, this->VertexKeys);
-  std::swap(round.FaceKeys, this->FaceKeys);
+  round.AtNode.swap(this->AtNode);
   round.Curves.swap(this->Curves);
   round.CurvesOfFace.swap(this->CurvesOfFace);
   round.CurveOf.swap(this->CurveOf);
   std::swap(round.Shared, this->Shared);
   this->Before = std::move(round);
+  this->AtNode.assign(this->NodeAt.size(), {});
   this->FacesOfLeaf.clear();
   this->FirstFace.clear();
   this->LargestValue = 0.0;
@@ -558,7 +541,7 @@ void ZeroSet::Worker::FindEdgeCurves()
       const auto D = static_cast<std::size_t>(axis);
       const Vertex middle{ low, 4 + axis, high[D] - low[D], 0.0, 0.0, 0.5, false };
       this->Curves[c].EdgeAxis = axis;
-      this->AddVertex(middle);
+      this->AddVertex(static_cast<int>(this->Find(low)), middle);
     }
   }
 }

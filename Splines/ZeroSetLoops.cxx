@@ -99,7 +99,8 @@ void ZeroSet::Worker::FindFlatLoops(const Leaf& leaf, std::vector<std::vector<In
       }
       Node low = leaf.At.Low;
       low[static_cast<std::size_t>(d)] += high ? leaf.At.Size : 0;
-      const Index face = this->FaceKeys.Find({ low[0], low[1], low[2], 3 + d });
+      const Index face = this->AtNode[static_cast<std::size_t>(this->Find(low))]
+                           .Faces[static_cast<std::size_t>(3 + d)];
       const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face)];
       std::vector<Index> loop;
       for (Index c = first; c < first + count; ++c)

@@ -27,12 +27,12 @@ std::vector<ZeroSet::Worker::CrowdedEdge> ZeroSet::Worker::FindOpenEdges()
 {
   // Inner points are of one piece, whose edges at them are shared by its own triangles.
   Numbering numbers;
-  struct Edge
+  struct Passed
   {
     Index Low, High;
     int Up, Down; ///< how often it is passed
   };
-  std::vector<Edge> edges;
+  std::vector<Passed> edges;
   const bool isMirrored = this->Options.Handedness < 0;
   for (const Facets& piece : this->Pieces)
   {
@@ -56,7 +56,7 @@ std::vector<ZeroSet::Worker::CrowdedEdge> ZeroSet::Worker::FindOpenEdges()
           {
             edges.push_back({ low, high, 0, 0 });
           }
-          Edge& edge = edges[static_cast<std::size_t>(number)];
+          Passed& edge = edges[static_cast<std::size_t>(number)];
           ++((a < b) != isMirrored ? edge.Up : edge.Down);
         }
       }
@@ -64,7 +64,7 @@ std::vector<ZeroSet::Worker::CrowdedEdge> ZeroSet::Worker::FindOpenEdges()
   }
   this->OpenEdges.clear();
   std::vector<CrowdedEdge> crowded;
-  for (const Edge& edge : edges)
+  for (const Passed& edge : edges)
   {
     for (int left = edge.Up - edge.Down; left != 0; left += left > 0 ? -1 : 1)
     {

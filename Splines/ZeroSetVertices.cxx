@@ -299,7 +299,14 @@ std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::JoinAround(const Node& node
 bool ZeroSet::Worker::TakeBefore(Index v)
 {
   Vertex& vertex = this->Vertices[static_cast<std::size_t>(v)];
-  const Index before = this->Before.VertexKeys.Find(this->VertexKeys.At(v));
+  if (this->Before.Vertices.empty())
+  {
+    return false;
+  }
+  const auto node = static_cast<std::size_t>(this->Find(vertex.At));
+  const Index before = node < this->Before.AtNode.size()
+    ? this->Before.AtNode[node].Vertices[static_cast<std::size_t>(vertex.Axis)]
+    : -1;
   if (before < 0)
   {
     return false;
@@ -417,7 +424,8 @@ void ZeroSet::Worker::Snap()
       {
         const Node& at = std::min(this->Vertices[static_cast<std::size_t>(curve.From)].At,
           this->Vertices[static_cast<std::size_t>(curve.To)].At);
-        const Index middle = this->VertexKeys.Find({ at[0], at[1], at[2], 4 + curve.EdgeAxis });
+        const Index middle = this->AtNode[static_cast<std::size_t>(this->Find(at))]
+                               .Vertices[static_cast<std::size_t>(4 + curve.EdgeAxis)];
         curve.EdgeAxis =
           this->Vertices[static_cast<std::size_t>(middle)].IsZero ? curve.EdgeAxis : -1;
       }

@@ -233,20 +233,39 @@ private:
   /// Vertices and their curves, which are only chords yet.
   bool TraceFaces();
   void FindEdgeCurves();
-  [[nodiscard]] bool IsNode(const Node& node) const
+  /// The number of a node, -1 where none is.
+  [[nodiscard]] Index Find(const Node& node) const
   {
-    return this->Nodes.Find({ node[0], node[1], node[2], 0 }) >= 0;
+    return this->Nodes.Find({ node[0], node[1], node[2], 0 });
   }
-  [[nodiscard]] double ValueAt(const Node& node) const
+  [[nodiscard]] double ValueAt(int node) const
   {
-    return this
-      ->NodeValues[static_cast<std::size_t>(this->Nodes.Find({ node[0], node[1], node[2], 0 }))];
+    return this->NodeValues[static_cast<std::size_t>(node)];
   }
-  /// Calls visit(low, size) for the parts of a face, or an edge, in which no node lies.
+  /// An edge of boxes or a part of one, between two nodes.
+  struct Edge
+  {
+    Node At; ///< its lower end
+    int Size;
+    int Axis;
+    int Low, High; ///< its ends, as nodes
+  };
+  /// A face of boxes or a part of one, and the nodes at its corners, counter-clockwise from the
+  /// lowest, seen from the end of the normal axis.
+  struct Face
+  {
+    Node At;
+    int Size;
+    int Normal;
+    std::array<int, 4> Corners;
+  };
+  /// Counter-clockwise from its lowest corner; the last two run backward.
+  [[nodiscard]] static std::array<Edge, 4> EdgesOf(const Face& face);
+  /// Calls visit(part) for the parts of a face, or an edge, in which no node lies.
   template <typename Visitor>
-  void ForMinimalFaces(const Node& low, int size, int normal, Visitor&& visit) const;
+  void ForMinimalFaces(const Face& face, Visitor&& visit) const;
   template <typename Visitor>
-  void ForMinimalEdges(const Node& low, int size, int axis, bool forward, Visitor&& visit) const;
+  void ForMinimalEdges(const Edge& edge, bool forward, Visitor&& visit) const;
   /// A set of edges and faces of a box.
   using Sides = unsigned;
   static constexpr Sides AllSides = ~0u;
@@ -263,22 +282,21 @@ private:
   [[nodiscard]] static Sides CommonSides(const std::array<int, 3>& offset);
   void FindDivided();
   void TraceLeaf(std::size_t leaf);
-  /// Of the surface in a face in which no node lies.
-  /// \returns its number, or -1 where nothing of the surface is
-  /// \param values ValuesAround() it
-  /// \param divided bits of the edges, counter-clockwise from the lowest, on which nodes may lie
-  Index TraceFace(
-    const Node& low, int size, int normal, const std::array<double, 4>& values, unsigned divided);
-  /// Of f at the corners of a face, counter-clockwise from the lowest.
-  [[nodiscard]] std::array<double, 4> ValuesAround(const Node& low, int size, int normal) const;
+  /// The surface in a face in which no node lies.
+  /// \param divided bits of EdgesOf() it on which nodes may lie
+  /// \returns the number of the face
+  Index TraceFace(const Face& face, unsigned divided);
   /// Whether f is 0 on a face of a leaf and positive inside, by its corners.
   [[nodiscard]] bool IsFlat(const Leaf& leaf, int normal, bool high) const;
   /// Whether a leaf draws the face on which f is 0: where signs at corners do not show it.
   [[nodiscard]] bool IsDrawn(const Leaf& leaf, int normal, bool high) const;
-  void TraceFlat(const Node& low, int size, int normal);
+  void TraceFlat(const Face& face);
   struct Vertex;
-  Index VertexOn(const Node& low, int size, int axis, double fLow, double fHigh);
-  Index AddVertex(const Vertex& vertex);
+  /// Of an edge in which no node lies and at whose ends f has different signs.
+  Index VertexOn(const Edge& edge);
+  Index VertexAt(int node);
+  /// \param node its lower end, or itself
+  Index AddVertex(int node, const Vertex& vertex);
   /// Whether a line is a side beyond which the model goes on.
   [[nodiscard]] bool GoesOn(int direction, int line) const;
 
@@ -452,8 +470,14 @@ private:
     bool IsZero = false;   ///< whether f is 0 there
   };
   std::vector<Vertex> Vertices; ///< the first shared points
-  Numbering VertexKeys;         ///< lower node and axis
-  Numbering FaceKeys;           ///< lower node and normal; 3 + normal for a flat one
+  /// Vertices by Vertex::Axis, faces by normal (flat ones by 3 + normal) of which a node is the
+  /// lowest; -1: none.
+  struct Uppers
+  {
+    std::array<int, 7> Vertices{ -1, -1, -1, -1, -1, -1, -1 };
+    std::array<int, 6> Faces{ -1, -1, -1, -1, -1, -1 };
+  };
+  std::vector<Uppers> AtNode;
   std::vector<Curve> Curves;
   std::vector<std::array<Index, 2>> CurvesOfFace; ///< first and count
   /// Of each leaf, up to the next one's first: 2 face, + 1 where it is an upper one.
@@ -465,14 +489,14 @@ private:
     std::size_t Corner; ///< the number of nodes that the walk met before
   };
   std::vector<Crossing> Crossings; ///< scratch of TraceFace, as is Around
-  std::vector<Node> Around;
+  std::vector<int> Around;
   std::vector<Index> CurveOf; ///< the first of the curves with the same ends; -1: no length
   Samples Shared;
   /// All that, of the round of refinement before: most of it stays as it is.
   struct Round
   {
     std::vector<Vertex> Vertices;
-    Numbering VertexKeys, FaceKeys;
+    std::vector<Uppers> AtNode;
     std::vector<Curve> Curves;
     std::vector<std::array<Index, 2>> CurvesOfFace;
     std::vector<Index> CurveOf;
