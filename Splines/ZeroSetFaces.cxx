@@ -273,6 +273,23 @@ std::pair<ZeroSet::Worker::Index, bool> ZeroSet::Worker::AddNode(const Node& nod
 void ZeroSet::Worker::CollectNodes()
 {
   const std::size_t known = this->CornersOf.size();
+  // In Morton order what is near in space is near in memory.
+  std::sort(this->Leaves.begin() + static_cast<std::ptrdiff_t>(known), this->Leaves.end(),
+    [](const Leaf& a, const Leaf& b)
+    {
+      int most = 0;
+      bool less = false;
+      for (std::size_t d = 0; d < 3; ++d)
+      {
+        const int differs = a.At.Low[d] ^ b.At.Low[d];
+        if (most < differs && most < (most ^ differs)) // a higher bit than before
+        {
+          most = differs;
+          less = a.At.Low[d] < b.At.Low[d];
+        }
+      }
+      return less;
+    });
   this->CornersOf.resize(this->Leaves.size());
   const auto addCorners = [this](const Box& box, int divisions)
   {
