@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace hyperpatch
 {
@@ -203,7 +204,7 @@ void ZeroSet::Worker::Bend(Index begin, Index end, const std::vector<Index>& kep
         axes[static_cast<std::size_t>(offset[k] + i)] = axisOf[k];
       }
     }
-    this->Project(samples.Parameters, axes, projected);
+    this->Project(samples.Parameters, axes, std::nullopt, projected);
     for (const std::size_t k : open)
     {
       for (Index i = 0; i < wanted[k] && curve(k).EdgeAxis >= 0; ++i)
@@ -257,8 +258,8 @@ void ZeroSet::Worker::Bend(Index begin, Index end, const std::vector<Index>& kep
   }
 }
 
-void ZeroSet::Worker::Project(
-  Eigen::Matrix3Xd& parameters, const std::vector<int>& axes, std::vector<char>& projected) const
+void ZeroSet::Worker::Project(Eigen::Matrix3Xd& parameters, const std::vector<int>& axes,
+  const std::optional<Range>& within, std::vector<char>& projected) const
 {
   const Index count = parameters.cols();
   projected.assign(static_cast<std::size_t>(count), 0);
@@ -266,7 +267,11 @@ void ZeroSet::Worker::Project(
   for (Index i = 0; i < count; ++i)
   {
     open[static_cast<std::size_t>(i)] = i;
+    double& x = parameters(axes[static_cast<std::size_t>(i)], i);
+    x = within ? std::min(std::max(x, within->Low), within->High) : x;
   }
+  // Newton's steps, between brackets where there are any.
+  std::vector<Range> brackets(within ? open.size() : 0, within.value_or(Range()));
   Eigen::Matrix3Xd at(3, count);
   Eigen::Matrix3Xd gradients(3, count);
   std::vector<double> values(static_cast<std::size_t>(count));
@@ -287,9 +292,17 @@ void ZeroSet::Worker::Project(
       double& x = parameters(axis, i);
       const double before = x;
       const double step = values[k] != 0.0 ? values[k] / slope : 0.0;
-      x = std::min(std::max(before - step, this->Low[axis]), this->High[axis]);
       // The next step would be smaller than round-off: quadratic convergence.
-      if (std::abs(step) <= 1e-9 * (this->High[axis] - this->Low[axis]))
+      const bool isLast = std::abs(step) <= 1e-9 * (this->High[axis] - this->Low[axis]);
+      x = before - step;
+      if (within && !isLast)
+      {
+        Range& bracket = brackets[static_cast<std::size_t>(i)];
+        (step > 0.0 ? bracket.High : bracket.Low) = before;
+        x = x > bracket.Low && x < bracket.High ? x : 0.5 * (bracket.Low + bracket.High);
+      }
+      x = std::min(std::max(x, this->Low[axis]), this->High[axis]);
+      if (isLast)
       {
         projected[static_cast<std::size_t>(i)] = 1;
       }

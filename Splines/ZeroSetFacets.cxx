@@ -142,14 +142,20 @@ bool ZeroSet::Worker::FillSheet(
     high = high.cwiseMax(this->Shared.Parameters.col(i));
   }
   Eigen::Vector3d width = high - low;
-  double reach = 0.0;
+  Range heights{ 0.0, 0.0 }; // of points of the sheet
   for (int d = 0; d < 3; ++d)
   {
     const auto D = static_cast<std::size_t>(d);
-    const double box =
-      std::abs(this->Line(d, leaf.At.Low[D] + leaf.At.Size) - this->Line(d, leaf.At.Low[D]));
+    const double a = this->Line(d, leaf.At.Low[D]);
+    const double b = this->Line(d, leaf.At.Low[D] + leaf.At.Size);
+    const double box = std::abs(b - a);
     width[d] = std::max(width[d], 1e-3 * box);
-    reach = d == leaf.Height ? 2.0 * std::max(width[d], box) : reach;
+    if (d == leaf.Height)
+    {
+      // Outside a curve, but inside its chords, the sheet is beyond the ends of the box.
+      heights.Low = std::max(std::min({ a, b, low[d] }) - box, this->Low[d]);
+      heights.High = std::min(std::max({ a, b, high[d] }) + box, this->High[d]);
+    }
   }
   // Few corners may do as they are.
   constexpr std::size_t Few = 12;
@@ -163,7 +169,7 @@ bool ZeroSet::Worker::FillSheet(
     flat.Slope.setZero();
     flat.Bend.setZero();
     flat.Metric.setZero();
-    flat.Reach = reach;
+    flat.Heights = heights;
     Facets piece;
     const double error =
       this->FillSheet(flat, leaf.Rises ? 1.0 : -1.0, 1.0, JustOnce, width, loop, scratch, piece);
@@ -178,7 +184,7 @@ bool ZeroSet::Worker::FillSheet(
   {
     return false;
   }
-  shape->Reach = reach;
+  shape->Heights = heights;
   // Counter-clockwise around the normal is counter-clockwise in (a, b) where f grows with height.
   const double turn = leaf.Rises ? 1.0 : -1.0;
   // Denser where the metric turns out to be too coarse for some place.
@@ -303,14 +309,13 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
       scratch.Parameters(w, i) = shape.Centre[w] + shape.Slope.dot(d) + 0.5 * d.dot(shape.Bend * d);
     }
     scratch.Axes.assign(static_cast<std::size_t>(count), w);
-    this->Project(scratch.Parameters, scratch.Axes, scratch.Projected);
+    this->Project(scratch.Parameters, scratch.Axes, shape.Heights, scratch.Projected);
     const Index before = facets.Inner.Count();
     Index at = before;
     facets.Inner.Resize(*this, before + count);
     for (Index i = 0; i < count; ++i)
     {
       if (scratch.Projected[static_cast<std::size_t>(i)] != 0 &&
-        std::abs(scratch.Parameters(w, i) - shape.Centre[w]) <= shape.Reach &&
         triangulation.Insert(scratch.Candidates[static_cast<std::size_t>(i)]) >= 0)
       {
         innerOf.push_back(at);

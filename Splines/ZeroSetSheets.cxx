@@ -149,7 +149,7 @@ bool ZeroSet::Worker::SplitEdge(
   Eigen::Matrix3Xd parameters =
     (1.0 - place) * this->Shared.Parameters.col(piece.Loops[static_cast<std::size_t>(a)]) +
     place * this->Shared.Parameters.col(piece.Loops[static_cast<std::size_t>(b)]);
-  this->Project(parameters, { this->Leaves[leaf].Height }, scratch.Projected);
+  this->Project(parameters, { this->Leaves[leaf].Height }, std::nullopt, scratch.Projected);
   if (scratch.Projected[0] == 0)
   {
     return false;

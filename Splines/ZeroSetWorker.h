@@ -135,10 +135,10 @@ private:
     int Axis = -1; ///< the direction of height
     int A = 0, B = 0;
     Eigen::Vector3d Centre;
-    Eigen::Vector2d Slope;  ///< of the height
-    Eigen::Matrix2d Bend;   ///< second derivatives of the height
-    Eigen::Matrix2d Metric; ///< edges of length 1 in it meet the tolerances
-    double Reach = 0.0;     ///< of points of the leaf, in height from the centre
+    Eigen::Vector2d Slope;     ///< of the height
+    Eigen::Matrix2d Bend;      ///< second derivatives of the height
+    Eigen::Matrix2d Metric;    ///< edges of length 1 in it meet the tolerances
+    Range Heights{ 0.0, 0.0 }; ///< in which the surface is a graph
   };
 
   /// The mesh of the surface in one leaf. It stays as it is while what is around it does.
@@ -323,8 +323,9 @@ private:
   [[nodiscard]] std::vector<Index> FindKept() const;
   void Bend(Index begin, Index end, const std::vector<Index>& kept, Samples& found);
   /// Moves points along one axis each onto f = 0; `projected`: where that worked.
-  void Project(
-    Eigen::Matrix3Xd& parameters, const std::vector<int>& axes, std::vector<char>& projected) const;
+  /// \param within no further, where f does not turn back between
+  void Project(Eigen::Matrix3Xd& parameters, const std::vector<int>& axes,
+    const std::optional<Range>& within, std::vector<char>& projected) const;
 
   // Loops: ZeroSetLoops.cxx
   void FindFlatLoops(const Leaf& leaf, std::vector<std::vector<Index>>& loops) const;
