@@ -686,8 +686,8 @@ Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally)
   return result;
 }
 
-/// Seeds of integers of which a bulge of the surface is not seen: see below.
-const std::set<unsigned> HiddenBulges{ 119 };
+/// Seeds of integers that have a zero far from the surface: see below.
+const std::set<unsigned> FarZeros{ 119 };
 
 void CheckSeeds(RandomZeroSet::Kind kind, unsigned count, bool triangles, Tally& tally)
 {
@@ -695,7 +695,7 @@ void CheckSeeds(RandomZeroSet::Kind kind, unsigned count, bool triangles, Tally&
   {
     const RandomZeroSet model(kind, seed);
     const Flaws flaws = Check(model, triangles, tally);
-    if (kind != RandomZeroSet::Kind::Integers || HiddenBulges.count(seed) == 0)
+    if (kind != RandomZeroSet::Kind::Integers || FarZeros.count(seed) == 0)
     {
       EXPECT_EQ(flaws.Surface, "") << "seed " << seed << ": " << model.Description;
     }
@@ -752,12 +752,12 @@ TEST(ZeroSetRandom, PlateausEndInSurfaces)
   CheckSeeds(RandomZeroSet::Kind::Plateaus, 150, false, tally);
 }
 
-// A limitation: where a sheet may pass through one face or one edge of a box twice and the signs at
-// the corners do not show it, what is beyond is left out, a few tolerances high at most.
-TEST(ZeroSetRandom, DISABLED_BulgesThroughOneFaceOrEdgeAreSeen)
+// A limitation, in about one seed of a thousand: a zero is up to nine tolerances from the surface
+// and in no narrow undecided cell. Signs at the corners of boxes may not show all of a sheet.
+TEST(ZeroSetRandom, DISABLED_EveryZeroIsNearTheSurfaceOrInANarrowCell)
 {
   Tally tally;
-  for (const unsigned seed : HiddenBulges)
+  for (const unsigned seed : FarZeros)
   {
     const RandomZeroSet model(RandomZeroSet::Kind::Integers, seed);
     EXPECT_EQ(Check(model, false, tally).Surface, "") << "seed " << seed;
