@@ -65,12 +65,17 @@ public:
     }
   }
 
-  Eigen::MatrixXd Sample(
-    const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& parameters) override
+  Eigen::MatrixXd Sample(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& parameters,
+    const std::function<void()>& check) override
   {
+    constexpr Eigen::Index Step = 1 << 12;
     Eigen::MatrixXd values(this->IsVector ? 3 : 1, positions.cols());
     for (Eigen::Index i = 0; i < values.cols(); ++i)
     {
+      if (i % Step == 0)
+      {
+        check();
+      }
       this->SetVariables(positions.col(i), parameters.col(i));
       if (this->IsVector)
       {
@@ -115,8 +120,10 @@ public:
     this->Probe->SetPassPartialArrays(true);
   }
 
-  Eigen::MatrixXd Sample(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd&) override
+  Eigen::MatrixXd Sample(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd&,
+    const std::function<void()>& check) override
   {
+    check();
     vtkNew<vtkPoints> points;
     points->SetDataTypeToDouble();
     points->SetNumberOfPoints(positions.cols());

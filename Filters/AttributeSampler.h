@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -17,8 +18,9 @@ public:
   virtual ~AttributeSampler() = default;
 
   /// Values (m x N) at points with positions and parameters (3 x N each); NaN where there is none.
-  [[nodiscard]] virtual Eigen::MatrixXd Sample(
-    const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& parameters) = 0;
+  /// \param check called now and then; leaves by an exception
+  [[nodiscard]] virtual Eigen::MatrixXd Sample(const Eigen::Matrix3Xd& positions,
+    const Eigen::Matrix3Xd& parameters, const std::function<void()>& check) = 0;
 
   /// \param expression of x, y, z, coords, u, v, w; see vtkExprTkFunctionParser
   /// \throws hyperpatch::Error with the parser's message if it does not parse

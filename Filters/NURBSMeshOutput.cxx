@@ -44,19 +44,75 @@ unsigned char CellType(Eigen::Index corners)
                       : VTK_VERTEX;
 }
 
+/// So many points or cells are worked on between two looks for Cancel.
+constexpr vtkIdType Step = 1 << 14;
+
+/// Copying, in pieces that wait for nothing and for which nobody waits long.
+class Copies
+{
+public:
+  using Function = std::function<void(vtkIdType begin, vtkIdType end)>;
+
+  void Add(vtkIdType count, Function function)
+  {
+    for (vtkIdType begin = 0; begin < count; begin += Step)
+    {
+      this->Ranges.push_back({ this->Functions.size(), begin, std::min(begin + Step, count) });
+    }
+    this->Functions.push_back(std::move(function));
+  }
+
+  void Run(const hyperpatch::ParallelFor& parallelFor) const
+  {
+    parallelFor(static_cast<std::ptrdiff_t>(this->Ranges.size()), 1,
+      [this](std::ptrdiff_t begin, std::ptrdiff_t end)
+      {
+        for (auto r = static_cast<std::size_t>(begin); r < static_cast<std::size_t>(end); ++r)
+        {
+          const Range& range = this->Ranges[r];
+          this->Functions[range.Function](range.Begin, range.End);
+        }
+      });
+  }
+
+private:
+  struct Range
+  {
+    std::size_t Function;
+    vtkIdType Begin, End;
+  };
+  std::vector<Function> Functions;
+  std::vector<Range> Ranges;
+};
+
+/// Columns [begin, end) into the tuples from `first + begin` on.
+template <typename Matrix>
+void CopyColumns(
+  const Matrix& from, vtkIdType begin, vtkIdType end, vtkDoubleArray* to, vtkIdType first)
+{
+  const Eigen::Index rows = from.rows();
+  std::copy_n(
+    from.data() + rows * begin, rows * (end - begin), to->GetPointer(rows * (first + begin)));
+}
+
 /// Cells, of which all are announced before the first is added.
 class CellList
 {
 public:
+  struct Place
+  {
+    vtkIdType Cell, Corner;
+  };
+
   void Reserve(const NURBSMeshOutput::Cells& cells)
   {
     this->Cells += cells.cols();
     this->Corners += cells.size();
   }
 
-  void Add(const NURBSMeshOutput::Cells& cells)
+  /// Where the cells go to; Copy() takes them there.
+  Place Add(const NURBSMeshOutput::Cells& cells)
   {
-    static_assert(sizeof(vtkIdType) == sizeof(std::int64_t), "64-bit ids are needed");
     if (this->Ends->GetNumberOfValues() == 0)
     {
       this->Ids->SetNumberOfValues(this->Corners);
@@ -64,11 +120,21 @@ public:
       this->Cells = this->Corners = 0;
       this->Ends->SetValue(0, 0);
     }
-    std::copy_n(cells.data(), cells.size(), this->Ids->GetPointer(this->Corners));
-    for (Eigen::Index c = 0; c < cells.cols(); ++c)
+    const Place place{ this->Cells, this->Corners };
+    this->Reserve(cells);
+    return place;
+  }
+
+  void Copy(const NURBSMeshOutput::Cells& cells, vtkIdType begin, vtkIdType end, Place place)
+  {
+    static_assert(sizeof(vtkIdType) == sizeof(std::int64_t), "64-bit ids are needed");
+    const Eigen::Index rows = cells.rows();
+    std::copy_n(cells.data() + rows * begin, rows * (end - begin),
+      this->Ids->GetPointer(place.Corner + rows * begin));
+    vtkIdType* const ends = this->Ends->GetPointer(place.Cell + 1);
+    for (vtkIdType c = begin; c < end; ++c)
     {
-      this->Corners += cells.rows();
-      this->Ends->SetValue(++this->Cells, this->Corners);
+      ends[c] = place.Corner + rows * (c + 1);
     }
   }
 
@@ -117,30 +183,24 @@ void NURBSMeshOutput::AddPoints(const hyperpatch::Patch& patch, Eigen::Matrix3Xd
 }
 
 void NURBSMeshOutput::AddCells(const hyperpatch::Patch& patch, Cells cells,
-  const Eigen::Matrix3Xi& elements, std::vector<std::vector<int>> labels)
+  Eigen::Matrix3Xi elements, std::vector<std::vector<int>> labels)
 {
   if (cells.cols() == 0)
   {
     return;
   }
   cells.array() += this->LastOffset;
-  CellBlock block{ std::move(cells), {}, patch.Id, std::move(labels), this->Points.size() - 1 };
-  std::array<std::int64_t, 3> whole{};
+  CellBlock block{ std::move(cells), std::move(elements), {}, patch.Id, std::move(labels),
+    this->Points.size() - 1 };
   for (std::size_t d = 0; d < 3; ++d)
   {
     const auto own = static_cast<int>(patch.Body.Geometry().Knots()[d].Spans().size());
-    whole[d] = patch.WholeSpans[d] > 0 ? patch.WholeSpans[d] : own;
-  }
-  block.ElementIds.reserve(static_cast<std::size_t>(elements.cols()));
-  for (Eigen::Index c = 0; c < elements.cols(); ++c)
-  {
-    block.ElementIds.push_back(
-      elements(0, c) + whole[0] * (elements(1, c) + whole[1] * elements(2, c)));
+    block.Spans[d] = patch.WholeSpans[d] > 0 ? patch.WholeSpans[d] : own;
   }
   this->Blocks.push_back(std::move(block));
 }
 
-void NURBSMeshOutput::MergePoints(std::size_t begin)
+void NURBSMeshOutput::MergePoints(std::size_t begin, const std::function<void()>& check)
 {
   std::int64_t offset = 0;
   for (std::size_t b = 0; b < begin; ++b)
@@ -171,6 +231,10 @@ void NURBSMeshOutput::MergePoints(std::size_t begin)
     const PointBlock& block = this->Points[b];
     for (Eigen::Index i = 0; i < block.Points.cols(); ++i)
     {
+      if (numberOf.size() % Step == 0)
+      {
+        check();
+      }
       const auto x = block.Points.col(i);
       const auto [at, isNew] = numbers.try_emplace({ labels[b], x[0], x[1], x[2] }, size);
       numberOf.push_back(at->second);
@@ -227,46 +291,67 @@ void NURBSMeshOutput::MergePoints(std::size_t begin)
       if (isWhole)
       {
         block.Indices.col(kept) = block.Indices.col(c);
-        block.ElementIds[static_cast<std::size_t>(kept++)] =
-          block.ElementIds[static_cast<std::size_t>(c)];
+        block.Elements.col(kept++) = block.Elements.col(c);
       }
     }
     block.Indices.conservativeResize(Eigen::NoChange, kept);
-    block.ElementIds.resize(static_cast<std::size_t>(kept));
+    block.Elements.conservativeResize(Eigen::NoChange, kept);
+    check();
   }
   this->Points.resize(begin);
   this->Points.push_back(std::move(merged));
   this->NumberOfPoints = offset + size;
 }
 
-void NURBSMeshOutput::Fill(vtkPointSet* output) const
+void NURBSMeshOutput::Fill(vtkPointSet* output, const hyperpatch::ParallelFor& parallelFor) const
 {
-  this->FillPoints(output);
-  this->FillCells(output);
+  this->FillPoints(output, parallelFor);
+  this->FillCells(output, parallelFor);
 }
 
-void NURBSMeshOutput::FillPoints(vtkPointSet* output) const
+void NURBSMeshOutput::FillPoints(
+  vtkPointSet* output, const hyperpatch::ParallelFor& parallelFor) const
 {
   const auto n = static_cast<vtkIdType>(this->NumberOfPoints);
   const auto coordinates = NewArray("Points", 3, n);
   const auto normals = NewArray(hyperpatch::names::Normals, 3, n);
   const auto parameters = NewArray(hyperpatch::names::ParametricCoordinates, 3, n);
+  std::vector<vtkSmartPointer<vtkDoubleArray>> attributes;
+  for (const auto& [name, components] : this->Components)
+  {
+    attributes.push_back(NewArray(name.c_str(), components, n));
+  }
   bool haveNormals = true;
-  vtkIdType at = 0;
+  Copies copies;
+  vtkIdType first = 0;
   for (const PointBlock& block : this->Points)
   {
-    std::copy_n(block.Points.data(), block.Points.size(), coordinates->GetPointer(3 * at));
-    if (block.Normals.cols() == block.Points.cols())
-    {
-      std::copy_n(block.Normals.data(), block.Normals.size(), normals->GetPointer(3 * at));
-    }
-    else
-    {
-      haveNormals = false;
-    }
-    std::copy_n(block.Parameters.data(), block.Parameters.size(), parameters->GetPointer(3 * at));
-    at += block.Points.cols();
+    const bool hasNormals = block.Normals.cols() == block.Points.cols();
+    haveNormals = haveNormals && hasNormals;
+    copies.Add(block.Points.cols(),
+      [&, hasNormals, first](vtkIdType begin, vtkIdType end)
+      {
+        CopyColumns(block.Points, begin, end, coordinates, first);
+        CopyColumns(block.Parameters, begin, end, parameters, first);
+        if (hasNormals)
+        {
+          CopyColumns(block.Normals, begin, end, normals, first);
+        }
+        for (std::size_t a = 0; a < attributes.size(); ++a)
+        {
+          if (block.Attributes[a].cols() > 0)
+          {
+            CopyColumns(block.Attributes[a], begin, end, attributes[a], first);
+            continue;
+          }
+          const int components = attributes[a]->GetNumberOfComponents();
+          std::fill_n(attributes[a]->GetPointer(components * (first + begin)),
+            components * (end - begin), std::nan(""));
+        }
+      });
+    first += block.Points.cols();
   }
+  copies.Run(parallelFor);
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   points->SetData(coordinates);
@@ -276,23 +361,14 @@ void NURBSMeshOutput::FillPoints(vtkPointSet* output) const
     output->GetPointData()->SetNormals(normals);
   }
   output->GetPointData()->AddArray(parameters);
-  std::size_t a = 0;
-  for (const auto& [name, components] : this->Components)
+  for (const auto& array : attributes)
   {
-    const auto array = NewArray(name.c_str(), components, n);
-    double* to = array->GetPointer(0);
-    for (const PointBlock& block : this->Points)
-    {
-      const Eigen::MatrixXd& values = block.Attributes[a];
-      to = values.cols() > 0 ? std::copy_n(values.data(), values.size(), to)
-                             : std::fill_n(to, components * block.Points.cols(), std::nan(""));
-    }
     output->GetPointData()->AddArray(array);
-    ++a;
   }
 }
 
-void NURBSMeshOutput::FillCells(vtkPointSet* output) const
+void NURBSMeshOutput::FillCells(
+  vtkPointSet* output, const hyperpatch::ParallelFor& parallelFor) const
 {
   // Cells of fewer points come first: vertices, lines, polygons is the order of vtkPolyData.
   std::vector<const CellBlock*> blocks;
@@ -329,22 +405,37 @@ void NURBSMeshOutput::FillCells(vtkPointSet* output) const
   {
     labels.push_back(newArray(vtkSmartPointer<vtkIntArray>::New(), name.c_str()));
   }
-  vtkIdType at = 0;
+  Copies copies;
+  vtkIdType first = 0;
   for (const CellBlock* block : blocks)
   {
-    const Eigen::Index size = block->Indices.cols();
-    listOf(*block).Add(block->Indices);
-    std::fill_n(types->GetPointer(at), size, CellType(block->Indices.rows()));
-    std::fill_n(patchIds->GetPointer(at), size, block->PatchId);
-    std::copy_n(block->ElementIds.data(), size, elementIds->GetPointer(at));
-    for (std::size_t l = 0; l < labels.size(); ++l)
-    {
-      const std::vector<int>& values = block->Labels[l];
-      int* const to = labels[l]->GetPointer(at);
-      values.size() == 1 ? std::fill_n(to, size, values[0]) : std::copy_n(values.data(), size, to);
-    }
-    at += size;
+    CellList& list = listOf(*block);
+    const CellList::Place place = list.Add(block->Indices);
+    copies.Add(block->Indices.cols(),
+      [&, block, place, first](vtkIdType begin, vtkIdType end)
+      {
+        const vtkIdType size = end - begin;
+        list.Copy(block->Indices, begin, end, place);
+        std::fill_n(types->GetPointer(first + begin), size, CellType(block->Indices.rows()));
+        std::fill_n(patchIds->GetPointer(first + begin), size, block->PatchId);
+        const auto& spans = block->Spans;
+        for (vtkIdType c = begin; c < end; ++c)
+        {
+          const auto element = block->Elements.col(c);
+          elementIds->SetValue(
+            first + c, element[0] + spans[0] * (element[1] + spans[1] * element[2]));
+        }
+        for (std::size_t l = 0; l < labels.size(); ++l)
+        {
+          const std::vector<int>& values = block->Labels[l];
+          int* const to = labels[l]->GetPointer(first + begin);
+          values.size() == 1 ? std::fill_n(to, size, values[0])
+                             : std::copy_n(values.data() + begin, size, to);
+        }
+      });
+    first += block->Indices.cols();
   }
+  copies.Run(parallelFor);
   if (mesh)
   {
     for (const auto& [rows, list] : lists)

@@ -3,10 +3,14 @@
 #define NURBSMeshOutput_h
 
 #include "Aggregate.h"
+#include "Parallel.h"
 
 #include <Eigen/Core>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -33,7 +37,7 @@ public:
   /// Adds cells of one kind, over the points added last: 1 row vertices, 2 segments, 3 triangles, 4
   /// tetrahedra, 8 hexahedra. \param elements 3 x cells, knot spans counted in the whole patch
   /// \param labels one vector per label, of one value or one per cell
-  void AddCells(const hyperpatch::Patch& patch, Cells cells, const Eigen::Matrix3Xi& elements,
+  void AddCells(const hyperpatch::Patch& patch, Cells cells, Eigen::Matrix3Xi elements,
     std::vector<std::vector<int>> labels);
 
   /// How often points were added.
@@ -41,10 +45,11 @@ public:
   /// Makes one of points with the same coordinates and first label of their cells, which then have
   /// one value each: with the mean of their normals, otherwise like the first of them. Cells that
   /// lose a corner are left out. \param begin only points that were added after so many blocks
-  void MergePoints(std::size_t begin);
+  /// \param check called now and then; leaves by an exception
+  void MergePoints(std::size_t begin, const std::function<void()>& check);
 
   /// \param output an empty vtkPolyData (no hexahedra) or vtkUnstructuredGrid
-  void Fill(vtkPointSet* output) const;
+  void Fill(vtkPointSet* output, const hyperpatch::ParallelFor& parallelFor) const;
 
 private:
   struct PointBlock
@@ -56,14 +61,15 @@ private:
   struct CellBlock
   {
     Cells Indices; ///< into all points
-    std::vector<std::int64_t> ElementIds;
+    Eigen::Matrix3Xi Elements;
+    std::array<std::int64_t, 3> Spans; ///< of the whole patch
     int PatchId;
     std::vector<std::vector<int>> Labels;
     std::size_t Points; ///< the block of its points
   };
 
-  void FillPoints(vtkPointSet* output) const;
-  void FillCells(vtkPointSet* output) const;
+  void FillPoints(vtkPointSet* output, const hyperpatch::ParallelFor& parallelFor) const;
+  void FillCells(vtkPointSet* output, const hyperpatch::ParallelFor& parallelFor) const;
 
   std::map<std::string, int> Components;
   std::vector<std::string> Labels;

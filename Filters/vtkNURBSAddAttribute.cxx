@@ -154,7 +154,8 @@ private:
       }
     }
     const GridPoints points(geometry, sites);
-    Eigen::MatrixXd samples = this->Sampler->Sample(points.Positions, points.Parameters);
+    const auto check = [this] { this->Self->ReportProgress(0.0); };
+    Eigen::MatrixXd samples = this->Sampler->Sample(points.Positions, points.Parameters, check);
     if (!samples.allFinite())
     {
       this->FillOrRefuse(sizes, points, samples);
@@ -164,7 +165,8 @@ private:
       hyperpatch::Interpolate(knots, sites, std::move(samples), this->Self->KernelParallelFor());
 
     const GridPoints middles(geometry, between);
-    const Eigen::MatrixXd exact = this->Sampler->Sample(middles.Positions, middles.Parameters);
+    const Eigen::MatrixXd exact =
+      this->Sampler->Sample(middles.Positions, middles.Parameters, check);
     const hyperpatch::FitError error = hyperpatch::MeasureError(
       field, between,
       [&exact](Eigen::Index first, Eigen::Index count, double* block)

@@ -24,6 +24,7 @@
 #include <mutex>
 #include <new>
 #include <string>
+#include <thread>
 
 namespace
 {
@@ -300,6 +301,18 @@ vtkNURBSAlgorithm::KernelParallelFor()
     this->ProgressEnd = this->ProgressBegin + 0.25 * (end - this->ProgressBegin);
     this->ParallelFor(count, grain, body);
     this->SetProgressRange(this->ProgressEnd, end);
+  };
+}
+
+std::function<bool()> vtkNURBSAlgorithm::KernelAbort()
+{
+  return [this, caller = std::this_thread::get_id()]
+  {
+    if (std::this_thread::get_id() == caller)
+    {
+      this->ReportProgress(0.0);
+    }
+    return !this->IsParallel() && this->GetAbortExecute() != 0;
   };
 }
 

@@ -116,6 +116,13 @@ protected:
    */
   void ReportProgress(double fraction);
 
+  /**
+   * Whether the user has cancelled, in the form that the kernel takes and asks inside long steps.
+   * On the thread that calls this function it reports progress as well, and a cancelled run ends as
+   * in ReportProgress().
+   */
+  std::function<bool()> KernelAbort();
+
   ///@{
   /**
    * Reductions over all ranks, for which all must call them: whether any rank says yes; the least

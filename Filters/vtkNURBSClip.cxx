@@ -26,7 +26,6 @@
 #include <exception>
 #include <memory>
 #include <optional>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -133,15 +132,7 @@ void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* o
     options.AttributeTolerances = tolerances.Of(patch);
     options.KeepInside = this->Invert;
     options.Handedness = hyperpatch::Handedness(patch) < 0 ? -1 : 1;
-    options.Abort = [this, caller = std::this_thread::get_id()]
-    {
-      // Other threads are stopped by the loop that they run in.
-      if (std::this_thread::get_id() == caller)
-      {
-        this->ReportProgress(0.0);
-      }
-      return false;
-    };
+    options.Abort = this->KernelAbort();
     members.push_back(std::move(member));
     patches.push_back(p);
     kept.push_back(this->Bends->OfPatch[p]);
@@ -223,7 +214,7 @@ void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* o
       << " was asked for (attributes: " << certificate.LargestAttributeError
       << " times their tolerance); " << certificate.UndecidedCells << " cells are undecided");
   }
-  mesh.Fill(vtkUnstructuredGrid::SafeDownCast(output));
+  mesh.Fill(vtkUnstructuredGrid::SafeDownCast(output), this->KernelParallelFor());
 }
 
 VTK_ABI_NAMESPACE_END

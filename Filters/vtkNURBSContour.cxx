@@ -53,7 +53,7 @@ void vtkNURBSContour::Execute(const hyperpatch::MultiPatch& model, vtkDataObject
   }
   NURBSMeshOutput mesh(tolerances.Components, { hyperpatch::names::ContourIndex });
   this->Draw(tasks, tolerances, mesh, output->GetFieldData());
-  mesh.Fill(vtkPolyData::SafeDownCast(output));
+  mesh.Fill(vtkPolyData::SafeDownCast(output), this->KernelParallelFor());
 }
 
 VTK_ABI_NAMESPACE_END

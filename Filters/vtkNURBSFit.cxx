@@ -204,6 +204,7 @@ private:
   {
     const hyperpatch::ParallelFor parallelFor = this->Self->KernelParallelFor();
     Eigen::MatrixXd samples = ReadTuples(array);
+    this->Self->ReportProgress(0.05);
     const double range = SampleRange(samples);
     std::vector<Eigen::Index> missing;
     if (this->Self->MissingSamples == LEAVE_OUT && !samples.allFinite())
@@ -242,6 +243,7 @@ private:
       this->WarnOfRounding(array, name, error.Maximum, range);
     }
     this->Report->Add(this->PatchId, name, spline, error, range);
+    this->Self->ReportProgress(1.0);
     return spline;
   }
 

@@ -301,10 +301,14 @@ void vtkNURBSJacobianBoundary::DrawFaces(
     options.Tolerance = tolerances.Position;
     options.AttributeTolerances = tolerances.Of(patch);
     options.For = this->KernelParallelFor();
-    const hyperpatch::SurfaceMesh faces =
+    hyperpatch::SurfaceMesh faces =
       hyperpatch::TessellateBoundary(patch, prepared.Handedness, options);
-    mesh.AddPoints(patch, faces.Parameters, faces.Points, faces.Normals, faces.Attributes);
-    mesh.AddCells(patch, faces.Triangles, faces.TriangleElements, { faces.TriangleSides });
+    this->ReportProgress(0.0);
+    mesh.AddPoints(patch, std::move(faces.Parameters), std::move(faces.Points),
+      std::move(faces.Normals), std::move(faces.Attributes));
+    mesh.AddCells(patch, std::move(faces.Triangles), std::move(faces.TriangleElements),
+      { std::move(faces.TriangleSides) });
+    this->ReportProgress(0.0);
   }
 }
 
@@ -488,6 +492,7 @@ void vtkNURBSJacobianBoundary::Execute(const hyperpatch::MultiPatch& model, vtkD
       auto field = std::make_shared<hyperpatch::JacobianField>(block.Body->Geometry());
       tasks.push_back({ block, std::move(field), SHEET });
     }
+    this->ReportProgress(0.0);
     this->Draw(tasks, tolerances, mesh, fieldData);
   }
   if (this->KnotPlanes)
@@ -496,7 +501,7 @@ void vtkNURBSJacobianBoundary::Execute(const hyperpatch::MultiPatch& model, vtkD
     this->DrawKnotPlanes(model, tolerances, mesh, fieldData);
   }
   auto* result = vtkPolyData::SafeDownCast(output);
-  mesh.Fill(result);
+  mesh.Fill(result, this->KernelParallelFor());
   const auto check = [this] { this->ReportProgress(0.0); };
   this->SetProgressRange(0.85, 1.0);
   JacobianPieces::RemoveSheetsInFaces(model, result, check);

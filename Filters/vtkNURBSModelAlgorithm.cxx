@@ -93,6 +93,7 @@ void vtkNURBSModelAlgorithm::ExecuteInput(vtkDataObject*, vtkDataObject* output)
   const Inputs models = std::exchange(this->Models, {});
   hyperpatch::MultiPatch model =
     hyperpatch::WithFoundInterfaces(this->MakeModel(models), this->FoundInterfaceTolerance());
+  this->ReportProgress(0.0);
   const std::vector<std::string> attributes = hyperpatch::OwnBasisAttributes(model);
   vtkInformation* info = this->GetOutputInformation(0);
   const int pieces = info->Get(Pipeline::UPDATE_NUMBER_OF_PIECES());

@@ -68,7 +68,7 @@ void vtkNURBSSlice::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* 
   }
   NURBSMeshOutput mesh(tolerances.Components, { hyperpatch::names::SliceIndex });
   this->Draw(tasks, tolerances, mesh, output->GetFieldData());
-  mesh.Fill(vtkPolyData::SafeDownCast(output));
+  mesh.Fill(vtkPolyData::SafeDownCast(output), this->KernelParallelFor());
 }
 
 void vtkNURBSSlice::Change(

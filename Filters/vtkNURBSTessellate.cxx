@@ -87,11 +87,12 @@ void vtkNURBSTessellate::Execute(const hyperpatch::MultiPatch& model, vtkDataObj
     hyperpatch::SolidMesh s = std::move(solids[i]);
     hyperpatch::SurfaceMesh b = std::move(surfaces[i]);
     limited = limited || s.LimitReached || b.LimitReached;
+    this->ReportProgress(0.0);
     if (solid && volume)
     {
       mesh.AddPoints(
         patch, std::move(s.Parameters), std::move(s.Points), {}, std::move(s.Attributes));
-      mesh.AddCells(patch, std::move(s.Hexahedra), s.Elements, { { -1 } });
+      mesh.AddCells(patch, std::move(s.Hexahedra), std::move(s.Elements), { { -1 } });
     }
     if (!normals)
     {
@@ -100,11 +101,11 @@ void vtkNURBSTessellate::Execute(const hyperpatch::MultiPatch& model, vtkDataObj
     mesh.AddPoints(patch, std::move(b.Parameters), std::move(b.Points), std::move(b.Normals),
       std::move(b.Attributes));
     const std::vector<int> noSide{ -1 };
-    mesh.AddCells(
-      patch, std::move(b.Lines), b.LineElements, { volume ? std::move(b.LineSides) : noSide });
+    mesh.AddCells(patch, std::move(b.Lines), std::move(b.LineElements),
+      { volume ? std::move(b.LineSides) : noSide });
     if (!solid || !volume)
     {
-      mesh.AddCells(patch, std::move(b.Triangles), b.TriangleElements,
+      mesh.AddCells(patch, std::move(b.Triangles), std::move(b.TriangleElements),
         { volume ? std::move(b.TriangleSides) : noSide });
     }
   }
@@ -114,7 +115,7 @@ void vtkNURBSTessellate::Execute(const hyperpatch::MultiPatch& model, vtkDataObj
       "the limit of subdivision was reached before the tolerance: the mesh is coarser "
       "than Tolerance and Attribute Tolerance ask for");
   }
-  mesh.Fill(vtkPointSet::SafeDownCast(output));
+  mesh.Fill(vtkPointSet::SafeDownCast(output), this->KernelParallelFor());
 }
 
 VTK_ABI_NAMESPACE_END

@@ -75,6 +75,7 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
       options.AttributeTolerances[static_cast<std::size_t>(task.Constant)] = 0.0;
     }
     options.Handedness = task.On.Handedness;
+    options.Abort = this->KernelAbort();
     members.push_back({ task.On.Patch.get(), task.On.Body, task.Field.get(),
       task.Value + MostValues * field, std::move(options) });
   }
@@ -102,7 +103,7 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   }
   if (this->MergePoints)
   {
-    output.MergePoints(before);
+    output.MergePoints(before, [this] { this->ReportProgress(0.0); });
   }
 
   const hyperpatch::ZeroSetCertificate certificate = group.TotalCertificate();

@@ -219,11 +219,10 @@ bool ZeroSet::Worker::Extract()
   {
     finished = finish();
   }
-  if (!finished)
+  if (!finished || !this->Assemble())
   {
     return false;
   }
-  this->Assemble();
   for (const auto& edge : this->OpenEdges)
   {
     ++(this->SidesOf(edge) != 0 ? this->Certificate.OpenEdgesOnBoundary

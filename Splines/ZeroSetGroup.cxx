@@ -446,12 +446,7 @@ ZeroSetGroup::Worker::Outcome ZeroSetGroup::Worker::Draw(
   }
   if (outcome == Outcome::Finished)
   {
-    const bool assembled = this->ForAll(
-      [](Engine& engine)
-      {
-        engine.Assemble();
-        return !engine.Options.Abort();
-      });
+    const bool assembled = this->ForAll([](Engine& engine) { return engine.Assemble(); });
     outcome = assembled ? Outcome::Finished : Outcome::Aborted;
   }
   return outcome;

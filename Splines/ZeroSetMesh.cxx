@@ -10,6 +10,14 @@
 namespace hyperpatch
 {
 
+namespace
+{
+
+/// So many cells are gone through between two looks for an abort.
+constexpr Eigen::Index Step = 1 << 12;
+
+}
+
 unsigned ZeroSet::Worker::SidesOf(const std::array<Index, 2>& edge) const
 {
   unsigned sides = 0;
@@ -34,8 +42,13 @@ std::vector<ZeroSet::Worker::CrowdedEdge> ZeroSet::Worker::FindOpenEdges()
   };
   std::vector<Passed> edges;
   const bool isMirrored = this->Options.Handedness < 0;
-  for (const Facets& piece : this->Pieces)
+  for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
   {
+    if (leaf % Step == 0 && this->Options.Abort())
+    {
+      return {};
+    }
+    const Facets& piece = this->Pieces[leaf];
     for (const auto& cell : piece.Cells)
     {
       for (std::size_t k = 0; k < 3; ++k)
@@ -107,7 +120,7 @@ std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::FindCrossings() const
   return crossings;
 }
 
-void ZeroSet::Worker::Assemble()
+bool ZeroSet::Worker::Assemble()
 {
   this->Certificate = this->Taken;
   this->UndecidedBoxes.clear();
@@ -138,6 +151,10 @@ void ZeroSet::Worker::Assemble()
   std::vector<Index> firstInner(this->Pieces.size());
   for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
   {
+    if (leaf % Step == 0 && this->Options.Abort())
+    {
+      return false;
+    }
     const Facets& piece = this->Pieces[leaf];
     firstInner[leaf] = inner;
     for (const auto& cell : piece.Cells)
@@ -230,6 +247,10 @@ void ZeroSet::Worker::Assemble()
   };
   for (Index c = 0; c < count; ++c)
   {
+    if (c % Step == 0 && this->Options.Abort())
+    {
+      return false;
+    }
     for (int k = 0; k < axes; ++k)
     {
       Index& corner = indices[static_cast<std::size_t>(axes * c + k)];
@@ -270,6 +291,10 @@ void ZeroSet::Worker::Assemble()
   one.Resize(*this, 1);
   for (Index i = 0; i < outer; ++i)
   {
+    if (i % Step == 0 && this->Options.Abort())
+    {
+      return false;
+    }
     const auto [point, below] = columns[static_cast<std::size_t>(i)];
     this->Copy(this->Shared, point, all, i, 1);
     if (below != 0)
@@ -289,6 +314,10 @@ void ZeroSet::Worker::Assemble()
   }
   for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
   {
+    if (leaf % Step == 0 && this->Options.Abort())
+    {
+      return false;
+    }
     const Samples& piece = this->Pieces[leaf].Inner;
     this->Copy(piece, 0, all, outer + firstInner[leaf], piece.Count());
   }
@@ -310,6 +339,10 @@ void ZeroSet::Worker::Assemble()
     const std::vector<double> breaks = this->Body.Geometry().Knots(d).Breaks();
     for (Index c = 0; c < count; ++c)
     {
+      if (c % Step == 0 && this->Options.Abort())
+      {
+        return false;
+      }
       double sum = 0.0;
       for (int k = 0; k < axes; ++k)
       {
@@ -325,6 +358,7 @@ void ZeroSet::Worker::Assemble()
     this->Certificate.LargestResidual = all.Residuals.maxCoeff() / this->LargestValue;
   }
   this->MendNormals();
+  return !this->Options.Abort();
 }
 
 void ZeroSet::Worker::MendNormals()

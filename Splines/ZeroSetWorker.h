@@ -375,7 +375,7 @@ private:
     std::size_t leaf, std::size_t cell, std::size_t side, double place, Scratch& scratch);
 
   // Mesh: ZeroSetMesh.cxx
-  void Assemble();
+  bool Assemble();
   /// Counts and lists a box as undecided.
   void AddUndecided(const ParameterBox& box);
   /// Shared points at which the border of the surface meets itself.
