@@ -752,7 +752,7 @@ TEST(ZeroSetRandom, PlateausEndInSurfaces)
   CheckSeeds(RandomZeroSet::Kind::Plateaus, 150, false, tally);
 }
 
-// A limitation, in about one seed of a thousand: a zero is up to nine tolerances from the surface
+// A limitation, in about one seed of 600: a zero is up to nine tolerances from the surface
 // and in no narrow undecided cell. Signs at the corners of boxes may not show all of a sheet.
 TEST(ZeroSetRandom, DISABLED_EveryZeroIsNearTheSurfaceOrInANarrowCell)
 {
