@@ -4,7 +4,7 @@
 
 #include "BendBounds.h"
 #include "Clip.h"
-#include "SimplexCut.h"
+#include "SimplexCutWorker.h"
 #include "SimplexRefinementWorker.h"
 
 #include <Eigen/Core>

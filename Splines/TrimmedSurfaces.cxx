@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TrimmedSurfaces.h"
 
-#include "SimplexCut.h"
+#include "SimplexCutWorker.h"
 
 #include <Eigen/Geometry>
 

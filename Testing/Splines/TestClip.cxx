@@ -4,7 +4,7 @@
 #include "ParameterField.h"
 #include "QuadricField.h"
 #include "SampledField.h"
-#include "SimplexCut.h"
+#include "SimplexCutWorker.h"
 #include "Splines/Models.h"
 
 #include <Eigen/Geometry>

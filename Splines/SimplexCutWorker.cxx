@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "SimplexCut.h"
+#include "SimplexCutWorker.h"
 
 #include "Error.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef hyperpatch_SimplexCut_h
-#define hyperpatch_SimplexCut_h
+#ifndef hyperpatch_SimplexCutWorker_h
+#define hyperpatch_SimplexCutWorker_h
 
 #include "NumberingWorker.h"
 #include "Parallel.h"
