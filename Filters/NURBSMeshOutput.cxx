@@ -189,7 +189,10 @@ void NURBSMeshOutput::AddCells(const hyperpatch::Patch& patch, Cells cells,
   {
     return;
   }
-  cells.array() += this->LastOffset;
+  if (this->LastOffset > 0)
+  {
+    cells.array() += this->LastOffset;
+  }
   CellBlock block{ std::move(cells), std::move(elements), {}, patch.Id, std::move(labels),
     this->Points.size() - 1 };
   for (std::size_t d = 0; d < 3; ++d)
