@@ -32,8 +32,11 @@
  * sides have the same faces there, with the same bits in the coordinates of their points, which
  * occur once per side. Elsewhere (interfaces that do not agree, cuts between processes, patches of
  * different processes) meshes may differ by Tolerance, and their faces are counted in
- * OpenFacesOnInterfaces. Where a side of a patch is collapsed to a line or a point, tetrahedra
- * without volume are left out; edges along the line may be divided more finely on one side of it.
+ * OpenFacesOnInterfaces.
+ *
+ * Limitation: where a side of a patch is collapsed to a line or a point, some tetrahedra at it are
+ * flat or turned over, faces between them need not match, and there may be very many (a sphere of
+ * one patch with two poles); patches without poles (NURBS Primitive has them) do not have that.
  *
  * Cost: proportional to the elements kept and to the output; elements on the other side cost only
  * their exclusion, which a tree finds. What is known of elements is kept while the input does not

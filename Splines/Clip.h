@@ -45,7 +45,8 @@ struct ClipMesh
   Eigen::Matrix3Xd Parameters;             ///< in the patch's own knots
   Eigen::Matrix3Xd Points;                 ///< physical, exact for their parameters
   std::vector<Eigen::MatrixXd> Attributes; ///< components x points, in the order of the aggregate
-  /// (dimension + 1) x cells of point indices; tetrahedra have positive volume.
+  /// (dimension + 1) x cells of point indices; tetrahedra have positive volume, except at sides of
+  /// a patch that are collapsed to a line or a point.
   Eigen::Matrix<std::int64_t, Eigen::Dynamic, Eigen::Dynamic> Cells;
   /// Per cell, the non-empty knot span of the geometry in each direction, counted from 0.
   Eigen::Matrix3Xi Elements;
