@@ -188,6 +188,7 @@ void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* o
   }
   for (std::size_t i = 0; i < members.size(); ++i)
   {
+    this->ReportProgress(0.0);
     const hyperpatch::Patch& patch = *members[i].On;
     hyperpatch::ClipMesh part = std::move(group->Mesh(i));
     const Eigen::Vector3i firstSpan(patch.FirstSpan.data());
@@ -195,6 +196,7 @@ void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* o
       std::move(part.Attributes));
     mesh.AddCells(patch, std::move(part.Cells), part.Elements.colwise() + firstSpan, {});
   }
+  this->ReportProgress(0.0);
   group.reset();
   this->ReportProgress(0.0);
   const int rank = this->GetController() ? this->GetController()->GetLocalProcessId() : 0;
@@ -209,7 +211,7 @@ void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* o
   if (!certificate.ToleranceReached && rank == 0)
   {
     vtkWarningMacro("the limit of refinement was reached before the tolerance: "
-                    "the measured error is "
+                    "the error, bounded or measured, is "
       << certificate.LargestError << " where " << tolerances.Position
       << " was asked for (attributes: " << certificate.LargestAttributeError
       << " times their tolerance); " << certificate.UndecidedCells << " cells are undecided");

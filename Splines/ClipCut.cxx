@@ -314,6 +314,10 @@ bool ClipWorker::Assemble()
   mesh.Points.resize(3, count);
   for (Eigen::Index i = 0; i < count; ++i)
   {
+    if (i % static_cast<Eigen::Index>(Step) == 0 && this->M.Options.Abort())
+    {
+      return false;
+    }
     const std::int64_t point = used[static_cast<std::size_t>(i)];
     mesh.Points.col(i) = pointAt(point);
     mesh.Parameters.col(i) = point < cutPoints
