@@ -52,6 +52,7 @@ inline constexpr const char* ToleranceReached = "ToleranceReached";
 inline constexpr const char* OpenEdgesOnBoundary = "OpenEdgesOnBoundary";
 inline constexpr const char* OpenEdgesOnInterfaces = "OpenEdgesOnInterfaces";
 inline constexpr const char* OpenEdgesInside = "OpenEdgesInside";
+inline constexpr const char* OpenFacesOnInterfaces = "OpenFacesOnInterfaces";
 inline constexpr const char* InvalidElements = "InvalidElements";
 inline constexpr const char* UndecidedElements = "UndecidedElements";
 ///@}

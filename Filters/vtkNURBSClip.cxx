@@ -205,7 +205,7 @@ void vtkNURBSClip::Execute(const hyperpatch::MultiPatch& model, vtkDataObject* o
   FieldNumbers::AddCount(numbers, hyperpatch::names::UndecidedCells, certificate.UndecidedCells);
   FieldNumbers::AddNumber(numbers, hyperpatch::names::LargestResidual, certificate.LargestResidual);
   FieldNumbers::AddNumber(numbers, hyperpatch::names::LargestError, certificate.LargestError);
-  FieldNumbers::AddCount(numbers, "OpenFacesOnInterfaces", openFaces);
+  FieldNumbers::AddCount(numbers, hyperpatch::names::OpenFacesOnInterfaces, openFaces);
   FieldNumbers::AddCount(
     numbers, hyperpatch::names::ToleranceReached, certificate.ToleranceReached ? 1 : 0);
   if (!certificate.ToleranceReached && rank == 0)

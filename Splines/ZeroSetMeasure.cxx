@@ -110,11 +110,7 @@ void ZeroSet::Worker::Measure(Middles& middles, std::vector<Error>& errors) cons
     if (hasNormal && along.squaredNorm() > least)
     {
       // The point below it on the surface, which may end before.
-      Eigen::Matrix3d J;
-      for (int d = 0; d < 3; ++d)
-      {
-        J.col(d) = D.block(m * d, i, m, 1);
-      }
+      const Eigen::Matrix3d J = this->Jacobian(D.col(i).data());
       const Eigen::Vector3d foot = at.col(i) + J.inverse() * along;
       const Eigen::Vector3d inside = foot.cwiseMax(this->Low).cwiseMin(this->High);
       if (foot.allFinite())
@@ -145,11 +141,7 @@ void ZeroSet::Worker::Measure(Middles& middles, std::vector<Error>& errors) cons
     for (Index i = 0; i < count; ++i)
     {
       // The exact value is that of the point of the surface below the middle of the cell.
-      Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
-      for (int d = 0; d < 3; ++d)
-      {
-        J.col(d).head(m) = D.block(m * d, i, m, 1);
-      }
+      const Eigen::Matrix3d J = this->Jacobian(D.col(i).data());
       Eigen::Vector3d du = Eigen::Vector3d::Zero();
       const double det = J.determinant();
       const double size = J.colwise().norm().prod();

@@ -64,8 +64,7 @@ void ZeroSet::Worker::Evaluate(Samples& samples, Index begin, Index end) const
   }
 }
 
-Eigen::Vector3d ZeroSet::Worker::Normal(
-  const double* derivatives, const Eigen::Vector3d& gradient) const
+Eigen::Matrix3d ZeroSet::Worker::Jacobian(const double* derivatives) const
 {
   const int m = this->Geometry.Components();
   Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
@@ -73,6 +72,13 @@ Eigen::Vector3d ZeroSet::Worker::Normal(
   {
     J.col(d).head(m) = Eigen::Map<const Eigen::VectorXd>(derivatives + m * d, m);
   }
+  return J;
+}
+
+Eigen::Vector3d ZeroSet::Worker::Normal(
+  const double* derivatives, const Eigen::Vector3d& gradient) const
+{
+  const Eigen::Matrix3d J = this->Jacobian(derivatives);
   // cof(J) grad f: the physical gradient times det J, so it does not flip across folds.
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   if (this->Axes.size() == 3)

@@ -390,6 +390,7 @@ private:
   // Samples: ZeroSetSamples.cxx, ZeroSetProbe.cxx, ZeroSetMeasure.cxx
   void Evaluate(Samples& samples, Index begin, Index end) const;
   /// \param derivatives of the geometry, 3 m
+  [[nodiscard]] Eigen::Matrix3d Jacobian(const double* derivatives) const;
   [[nodiscard]] Eigen::Vector3d Normal(
     const double* derivatives, const Eigen::Vector3d& gradient) const;
   void Copy(const Samples& from, Index first, Samples& to, Index at, Index count) const;
