@@ -8,6 +8,7 @@
 #include "Interpolation.h"
 #include "NURBSConversion.h"
 #include "Operators.h"
+#include "Times.h"
 
 #include "vtkCallbackCommand.h"
 #include "vtkCellArray.h"
@@ -42,14 +43,6 @@ namespace
 {
 
 using Clock = std::chrono::steady_clock;
-
-/// Of all threads, in seconds.
-double CPUTime()
-{
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 double Seconds(Clock::duration time)
 {

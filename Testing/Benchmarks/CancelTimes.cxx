@@ -6,6 +6,7 @@
 // Waits are in wall time and in CPU time of all threads; on a machine that others use too, the
 // larger of what one thread and all threads would need lies between.
 #include "EveryFilterInput.h"
+#include "Times.h"
 
 #include "vtkNURBSMeshAlgorithm.h"
 
@@ -20,19 +21,6 @@
 
 namespace
 {
-
-/// Of all threads, in seconds.
-double CPUTime()
-{
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-double WallTime()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 vtkIdType OutputPoints(vtkAlgorithm* filter)
 {

@@ -10,6 +10,7 @@
 #include "Evaluator.h"
 #include "Interpolation.h"
 #include "NURBSConversion.h"
+#include "Times.h"
 
 #include "vtkCellArray.h"
 #include "vtkContourFilter.h"
@@ -43,21 +44,6 @@ using namespace hyperpatch;
 
 namespace
 {
-
-/// Of all threads, in seconds.
-double CPUTime()
-{
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-double WallTime()
-{
-  timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// Peak resident memory of the process in MiB since the last ResetPeak().
 double Peak()
