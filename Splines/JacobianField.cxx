@@ -183,7 +183,7 @@ bool JacobianField::Restrict(const ParameterBox& box, BoxSpline& f) const
       return { Spline(std::move(knots), values.Coefficients().transpose()),
         values.RoundingBound() };
     });
-  const Eigen::MatrixXd& coefficients = polynomial->Values.Coefficients();
+  const auto coefficients = polynomial->Values.Coefficients(); // a view
   f.Restrict(
     polynomial->Values, box, [&coefficients](Eigen::Index i) { return coefficients(0, i); });
   f.AddNoise(polynomial->Error);
