@@ -2,7 +2,10 @@
 #ifndef hyperpatch_testing_RealFiles_h
 #define hyperpatch_testing_RealFiles_h
 
+#include "Evaluator.h"
 #include "Formats.h"
+
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <filesystem>
@@ -68,6 +71,27 @@ inline double Gap(const hyperpatch::MultiPatch& model, const hyperpatch::Interfa
     }
   }
   return gap;
+}
+
+/// The determinant of the Jacobian at an inner grid of points.
+inline std::vector<double> Determinants(const hyperpatch::Spline& volume)
+{
+  const hyperpatch::Evaluator evaluator(volume);
+  std::vector<double> determinants;
+  for (int n = 0; n < 27; ++n)
+  {
+    double u[3];
+    for (int d = 0, rest = n; d < 3; ++d, rest /= 3)
+    {
+      const hyperpatch::KnotVector& k = volume.Knots(d);
+      u[d] = k.First() + (k.Last() - k.First()) * (0.1 + 0.4 * (rest % 3));
+    }
+    double value[3];
+    Eigen::Matrix3d jacobian;
+    evaluator.EvaluateWithDerivatives(1, u, value, jacobian.data());
+    determinants.push_back(jacobian.determinant());
+  }
+  return determinants;
 }
 
 /// Diagonal of the control points' bounds.
