@@ -83,7 +83,8 @@ std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::FindKept() const
         if (this->CurveOf[static_cast<std::size_t>(c)] == c &&
           this->Before.CurveOf[static_cast<std::size_t>(b)] == b &&
           curve.Heights == before.Heights && curve.EdgeAxis == before.EdgeAxis &&
-          isSame(curve.From, before.From) && isSame(curve.To, before.To))
+          curve.HasTwin == before.HasTwin && isSame(curve.From, before.From) &&
+          isSame(curve.To, before.To))
         {
           kept[static_cast<std::size_t>(c)] = b;
         }
@@ -169,9 +170,11 @@ void ZeroSet::Worker::Bend(Index begin, Index end, const std::vector<Index>& kep
   std::vector<std::size_t> next;
   for (const std::size_t k : open)
   {
-    if (errors[k] > 1.0)
+    // Twins need a point inside: there is a piece of the surface between them.
+    if (errors[k] > 1.0 || curve(k).HasTwin)
     {
-      wanted[k] = static_cast<Index>(std::ceil(std::sqrt(std::min(errors[k], 1e6)))) - 1;
+      wanted[k] =
+        std::max<Index>(1, static_cast<Index>(std::ceil(std::sqrt(std::min(errors[k], 1e6)))) - 1);
       next.push_back(k);
     }
   }

@@ -21,11 +21,11 @@
 
 /// The inside of ZeroSet, private to the files that hold it, in the order of the work:
 /// ZeroSetSearch.cxx finds the boxes that hold the surface, ZeroSetFaces.cxx where it crosses their
-/// faces and edges, ZeroSetVertices.cxx its points on edges, ZeroSetCurves.cxx its curves in faces,
-/// ZeroSetLoops.cxx joins these around each box, ZeroSetFacets.cxx meshes it inside,
-/// ZeroSetSheets.cxx parts sheets that meet in an edge, ZeroSetMesh.cxx joins the pieces.
-/// ZeroSetProbe.cxx finds its curvature, ZeroSetMeasure.cxx errors. ZeroSetGroup.cxx does so with
-/// several at once, and lets them agree in between.
+/// faces and edges, ZeroSetVertices.cxx its points on edges, ZeroSetSnap.cxx joins those near a
+/// node, ZeroSetCurves.cxx its curves in faces, ZeroSetLoops.cxx joins these around each box,
+/// ZeroSetFacets.cxx meshes it inside, ZeroSetSheets.cxx parts sheets that meet in an edge,
+/// ZeroSetMesh.cxx joins the pieces. ZeroSetProbe.cxx finds its curvature, ZeroSetMeasure.cxx
+/// errors. ZeroSetGroup.cxx does so with several at once, and lets them agree in between.
 
 namespace hyperpatch
 {
@@ -127,6 +127,7 @@ private:
     int Line = 0;           ///< where the face crosses the axis
     int EdgeAxis = -1;      ///< of the edge of boxes that it is, where two creases meet
     unsigned Heights = 0;   ///< bits of the directions in which the surface is a graph beside it
+    bool HasTwin = false;   ///< another with the same ends, in the plane of another crease
   };
 
   /// The curvature of the surface around a point, as a graph over the two other directions.
@@ -304,8 +305,12 @@ private:
   bool FindVertices();
   /// A vertex from the round before. \returns false where it had no such vertex
   bool TakeBefore(Index v);
+
+  // Snap: ZeroSetSnap.cxx
   /// Joins vertices that lie close together around a node, and the curves that become one by that.
   void Snap();
+  /// \returns for each vertex the one that it becomes
+  [[nodiscard]] std::vector<Index> JoinVertices() const;
   /// No more vertices than that are around a node: on its edges, and itself.
   static constexpr std::size_t MostAround = 7;
   /// Joins those that curves between them connect, if all that becomes one point by that is a disc:
@@ -314,6 +319,11 @@ private:
   /// \returns for each vertex the one that it becomes
   [[nodiscard]] std::vector<Index> JoinAround(const Node& node, const std::vector<Index>& vertices,
     const std::vector<std::array<Index, 2>>& links) const;
+  /// Sets CurveOf.
+  void JoinCurves(const std::vector<Index>& vertexOf);
+  /// Parts vertices again where all of the surface between curves that became one would be lost.
+  /// \returns whether there are any
+  bool PartLost(std::vector<Index>& vertexOf) const;
 
   // Curves: ZeroSetCurves.cxx
   /// Snap() and FindCurves().
