@@ -25,41 +25,43 @@ std::array<int, 2> SpansOf(const KnotVector& knots, double low, double high)
   return { first, last };
 }
 
-/// Sums of `Count` layers of numbers, `stride` of them each, times the weights.
+/// `size` sums of `Count` numbers times the weights: numbers that are `layer` apart, the next sum's
+/// `step` further on, into places `toStep` apart.
 template <int Count>
-void CombineLayers(const double* from, std::ptrdiff_t stride, const double* weights, double* to)
+void Combine(std::ptrdiff_t size, const double* from, std::ptrdiff_t step, std::ptrdiff_t layer,
+  const double* weights, double* to, std::ptrdiff_t toStep)
 {
-  for (std::ptrdiff_t s = 0; s < stride; ++s)
+  for (std::ptrdiff_t s = 0; s < size; ++s)
   {
-    double sum = weights[0] * from[s];
+    double sum = weights[0] * from[s * step];
     for (int i = 1; i < Count; ++i)
     {
-      sum += weights[i] * from[s + i * stride];
+      sum += weights[i] * from[s * step + i * layer];
     }
-    to[s] = sum;
+    to[s * toStep] = sum;
   }
 }
 
-void CombineLayers(
-  int count, const double* from, std::ptrdiff_t stride, const double* weights, double* to)
+void Combine(int count, std::ptrdiff_t size, const double* from, std::ptrdiff_t step,
+  std::ptrdiff_t layer, const double* weights, double* to, std::ptrdiff_t toStep)
 {
   switch (count)
   {
     case 2:
-      return CombineLayers<2>(from, stride, weights, to);
+      return Combine<2>(size, from, step, layer, weights, to, toStep);
     case 3:
-      return CombineLayers<3>(from, stride, weights, to);
+      return Combine<3>(size, from, step, layer, weights, to, toStep);
     case 4:
-      return CombineLayers<4>(from, stride, weights, to);
+      return Combine<4>(size, from, step, layer, weights, to, toStep);
     case 5:
-      return CombineLayers<5>(from, stride, weights, to);
+      return Combine<5>(size, from, step, layer, weights, to, toStep);
     default:
-      for (std::ptrdiff_t s = 0; s < stride; ++s)
+      for (std::ptrdiff_t s = 0; s < size; ++s)
       {
-        to[s] = weights[0] * from[s];
+        to[s * toStep] = weights[0] * from[s * step];
         for (int i = 1; i < count; ++i)
         {
-          to[s] += weights[i] * from[s + i * stride];
+          to[s * toStep] += weights[i] * from[s * step + i * layer];
         }
       }
   }
@@ -155,16 +157,27 @@ void BoxSpline::InsertEnds(const KnotVector& knots, int direction, double low, d
   }
   const int copied = std::max(0, inside - p + 1);
   const int copiedFrom = firstInside - 1 - this->WindowFirst[d];
+  const std::ptrdiff_t oldBlock = stride * this->N[d];
+  const std::ptrdiff_t newBlock = stride * n;
   for (std::ptrdiff_t b = 0; b < blocks; ++b)
   {
-    const double* from = this->C.data() + stride * this->N[d] * b;
-    double* to = this->Next.data() + stride * n * b;
-    std::copy_n(from + stride * copiedFrom, stride * copied, to + stride * p);
-    for (std::size_t e = 0; e < numberOfEnds; ++e)
+    std::copy_n(this->C.data() + oldBlock * b + stride * copiedFrom, stride * copied,
+      this->Next.data() + newBlock * b + stride * p);
+  }
+  for (std::size_t e = 0; e < numberOfEnds; ++e)
+  {
+    const EndRow& row = ends[e];
+    const double* from = this->C.data() + stride * row.From;
+    double* to = this->Next.data() + stride * row.To;
+    if (d == 0)
     {
-      const EndRow& row = ends[e];
-      CombineLayers(
-        p + 1, from + stride * row.From, stride, row.Weights.data(), to + stride * row.To);
+      Combine(p + 1, blocks, from, oldBlock, 1, row.Weights.data(), to, newBlock);
+      continue;
+    }
+    for (std::ptrdiff_t b = 0; b < blocks; ++b)
+    {
+      Combine(
+        p + 1, stride, from + oldBlock * b, 1, stride, row.Weights.data(), to + newBlock * b, 1);
     }
   }
   this->C.swap(this->Next);

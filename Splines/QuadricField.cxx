@@ -247,6 +247,10 @@ void QuadricField::EvaluateWithGradient(
   std::vector<double> points(m * std::min(count, Chunk));
   std::vector<double> derivatives(3 * points.size());
   std::vector<double> g(m);
+  if (this->Q.IsLinear())
+  {
+    this->Q.Gradient(nullptr, g.data());
+  }
   for (std::size_t first = 0; first < count; first += Chunk)
   {
     const std::size_t n = std::min(Chunk, count - first);
@@ -256,7 +260,10 @@ void QuadricField::EvaluateWithGradient(
     {
       const double* x = points.data() + m * i;
       values[first + i] = ValueOrZero(this->Q, x, operations);
-      this->Q.Gradient(x, g.data());
+      if (!this->Q.IsLinear())
+      {
+        this->Q.Gradient(x, g.data());
+      }
       for (std::size_t d = 0; d < 3; ++d)
       {
         double sum = 0.0;
@@ -368,14 +375,14 @@ bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
   double largestWeight = 1.0;
   const bool rational = spline.IsRational();
   const double* points = spline.Coefficients().data();
+  const double* weights = rational ? spline.Weights().data() : nullptr;
   const auto restrictTimesWeight = [&](const auto& value)
   {
     const auto coefficient = [&](Eigen::Index i)
     {
-      const double* x = points + m * i;
-      const double weight = rational ? spline.Weights()[i] : 1.0;
+      const double weight = weights ? weights[i] : 1.0;
       double own = 0.0;
-      const double found = value(x, own);
+      const double found = value(points + m * i, own);
       terms = std::max(terms, own);
       largestWeight = std::max(largestWeight, weight);
       return weight * found;
@@ -387,6 +394,19 @@ bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
     f.AddNoise(UnitRoundoff * (Operations(spline) + 4 * (m + 2)) * terms * largestWeight);
     return true;
   };
+  if (this->Q.IsLinear() && m == 1)
+  {
+    // Value(), without its loops.
+    const double c = this->Q.c;
+    const double b = this->Q.b[0];
+    const double origin = this->Q.Origin.size() > 0 ? this->Q.Origin[0] : 0.0;
+    return restrictTimesWeight(
+      [c, b, origin](const double* x, double& own)
+      {
+        own = std::abs(c) + std::abs(b) * (std::abs(*x) + std::abs(origin));
+        return c + b * (*x - origin);
+      });
+  }
   if (this->Q.IsLinear())
   {
     return restrictTimesWeight(

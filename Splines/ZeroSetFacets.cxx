@@ -121,7 +121,7 @@ void ZeroSet::Worker::FillLoop(
     std::vector<std::pair<int, double>> missing;
     scratch.Measuring.Known.clear();
     this->MeasureFacets(
-      triangles, static_cast<int>(loop.size()), loop, {}, scratch, facets, missing);
+      triangles, static_cast<int>(loop.size()), loop, {}, true, scratch, facets, missing);
     facets.Failed = missing.empty() ? 0 : 1;
     facets.IsWithinTolerance = missing.empty();
   }
@@ -335,8 +335,8 @@ double ZeroSet::Worker::FillSheet(const Shape& shape, double turn, double densit
   for (int round = 0; round < Rounds; ++round)
   {
     missing.clear();
-    worst = this->MeasureFacets(
-      triangulation.Triangles(), boundary, loop, innerOf, scratch, facets, missing);
+    worst = this->MeasureFacets(triangulation.Triangles(), boundary, loop, innerOf,
+      round + 1 == Rounds, scratch, facets, missing);
     const std::size_t all = triangulation.Triangles().size();
     if (missing.empty() || round + 1 == Rounds)
     {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace hyperpatch
 {
@@ -46,10 +47,11 @@ void ZeroSet::Worker::Middles::SetZero(const Worker& worker, Index count)
 {
   this->Parameters.setZero(3, count);
   this->Points.setZero(3, count);
-  this->Attributes.clear();
-  for (const Evaluator* attribute : worker.Attributes)
+  this->Attributes.resize(worker.Attributes.size());
+  for (std::size_t a = 0; a < this->Attributes.size(); ++a)
   {
-    this->Attributes.push_back(Eigen::MatrixXd::Zero(attribute->Components(), count));
+    const bool isWanted = worker.Options.AttributeTolerances[a] > 0.0;
+    this->Attributes[a].setZero(isWanted ? worker.Attributes[a]->Components() : 0, count);
   }
 }
 
@@ -59,7 +61,10 @@ void ZeroSet::Worker::Middles::Add(Index to, double weight, const Samples& sampl
   this->Points.col(to) += weight * samples.Points.col(from);
   for (std::size_t a = 0; a < this->Attributes.size(); ++a)
   {
-    this->Attributes[a].col(to) += weight * samples.Attributes[a].col(from);
+    if (this->Attributes[a].rows() > 0)
+    {
+      this->Attributes[a].col(to) += weight * samples.Attributes[a].col(from);
+    }
   }
 }
 
@@ -124,7 +129,7 @@ void ZeroSet::Worker::Measure(Middles& middles, std::vector<Error>& errors) cons
     {
       distance = (off - off.dot(chords.col(i)) * chords.col(i)).norm();
     }
-    errors[static_cast<std::size_t>(i)] = { distance, 0.0 };
+    errors[static_cast<std::size_t>(i)] = { distance, 0.0, along.norm() };
     tangential[static_cast<std::size_t>(i)] = along;
   }
   for (std::size_t a = 0; a < this->Attributes.size(); ++a)
@@ -164,10 +169,9 @@ void ZeroSet::Worker::Measure(Middles& middles, std::vector<Error>& errors) cons
 }
 
 double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Triangle>& triangles,
-  int boundary, const std::vector<Index>& loop, const std::vector<Index>& innerOf, Scratch& scratch,
-  Facets& facets, std::vector<std::pair<int, double>>& missing) const
+  int boundary, const std::vector<Index>& loop, const std::vector<Index>& innerOf, bool isFinal,
+  Scratch& scratch, Facets& facets, std::vector<std::pair<int, double>>& missing) const
 {
-  const auto count = triangles.size();
   const double tolerance = this->Options.Tolerance;
   const double turn = this->Options.Handedness < 0 ? -1.0 : 1.0;
   // Barycentric coordinates of the samples. In the middle always: normals at the corners alone can
@@ -182,6 +186,8 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
   constexpr double Unequal = 3.0;  // slopes at both ends of an edge, in heights
   constexpr double Doubtful = 0.7; // shares of the tolerance
   constexpr double Close = 0.87;
+  // Measured so much of an edge aside, a height is wrong by a hundredth of that of the triangle.
+  constexpr double FarAside = 0.05;
 
   const auto corner = [&](std::size_t t, std::size_t k) -> std::pair<const Samples*, Index>
   {
@@ -190,21 +196,21 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
       ? std::make_pair(&facets.Inner, innerOf[static_cast<std::size_t>(c - boundary)])
       : std::make_pair(&this->Shared, loop[static_cast<std::size_t>(c)]);
   };
-  std::vector<FacetTriangulation::Triangle>& known = scratch.Measuring.Known;
-  std::vector<Error>& errors = scratch.Measuring.Errors;
-  std::vector<double>& shares = scratch.Measuring.Shares;
+  using Facet = Scratch::Facet;
+  std::vector<Facet>& known = scratch.Measuring.Known;
   std::vector<std::size_t>& all = scratch.Measuring.All;
   std::vector<std::size_t>& doubtful = scratch.Measuring.Doubtful;
+  std::vector<std::size_t>& aside = scratch.Measuring.Aside;
   std::vector<Error>& measured = scratch.Measuring.Measured;
   Middles& middles = scratch.Measuring.Centres;
-  errors.resize(count);
-  shares.resize(count);
-  all.clear();
-  doubtful.clear();
-  for (std::size_t t = 0; t < count; ++t)
+  bool isMissed = false;
+  known.resize(triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
   {
-    if (t < known.size() && known[t] == triangles[t])
+    Facet& facet = known[t];
+    if (facet.Corners == triangles[t])
     {
+      isMissed = isMissed || facet.Share > Accepted;
       continue;
     }
     Eigen::Matrix3d X;
@@ -232,31 +238,33 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
       q[static_cast<std::size_t>(k)] = from + to;
     }
     most = std::max(most, MiddleHeight(q));
-    errors[t] = { most, 0.0 };
-    shares[t] = most / tolerance;
+    facet = { triangles[t], { most, 0.0, 0.0 }, most / tolerance, longest, false, false };
     const Eigen::Vector3d across = turn * (X.col(1) - X.col(0)).cross(X.col(2) - X.col(0));
     const double area = across.norm();
     const Eigen::RowVector3d facing = across.transpose() * n;
     if (facing.maxCoeff() < 0.0)
     {
       // Turned over, but for what is too thin to be seen.
-      shares[t] = std::max(shares[t], area / (std::sqrt(longest) * tolerance));
+      facet.Share = std::max(facet.Share, area / (std::sqrt(longest) * tolerance));
     }
-    all.push_back(t);
     const bool isTilted = facing.minCoeff() < Tilted * area || unequal > Unequal * most;
-    if (shares[t] <= Accepted &&
-      (facing.minCoeff() < MuchTilted * area || shares[t] > (isTilted ? Doubtful : Close)))
-    {
-      doubtful.push_back(t);
-    }
+    facet.IsDoubtful = facet.Share <= Accepted &&
+      (facing.minCoeff() < MuchTilted * area || facet.Share > (isTilted ? Doubtful : Close));
+    isMissed = isMissed || facet.Share > Accepted;
   }
-  const auto measure = [&](const std::vector<std::size_t>& which, std::size_t places, int steps)
+  const auto measure =
+    [&](const std::vector<std::size_t>& which, std::size_t first, std::size_t last, int steps)
   {
+    if (which.empty())
+    {
+      return;
+    }
+    const std::size_t places = last - first;
     middles.SetZero(*this, static_cast<Index>(places * which.size()));
     Index at = 0;
     for (const std::size_t t : which)
     {
-      for (std::size_t p = 0; p < places; ++p, ++at)
+      for (std::size_t p = first; p < last; ++p, ++at)
       {
         for (std::size_t k = 0; k < 3; ++k)
         {
@@ -272,30 +280,50 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
     for (std::size_t i = 0; i < places * which.size(); ++i)
     {
       const Error& e = measured[i];
-      Error& error = errors[which[i / places]];
-      error.Distance = std::max(error.Distance, e.Distance);
-      error.Attribute = std::max(error.Attribute, e.Attribute);
-      double& share = shares[which[i / places]];
-      share = std::max({ share, e.Distance / tolerance, e.Attribute });
+      Facet& facet = known[which[i / places]];
+      facet.Worst.Distance = std::max(facet.Worst.Distance, e.Distance);
+      facet.Worst.Attribute = std::max(facet.Worst.Attribute, e.Attribute);
+      facet.Worst.Aside = std::max(facet.Worst.Aside, e.Aside);
+      facet.Share = std::max({ facet.Share, e.Distance / tolerance, e.Attribute });
     }
   };
-  measure(all, fewest, 1);
-  if (!doubtful.empty())
+  // Triangles beside those that are going to be divided may become others.
+  if (!isMissed || isFinal)
   {
-    measure(doubtful, Places.size(), 2);
+    all.clear();
+    doubtful.clear();
+    aside.clear();
+    for (std::size_t t = 0; t < known.size(); ++t)
+    {
+      if (!known[t].IsMeasured)
+      {
+        known[t].IsMeasured = true;
+        all.push_back(t);
+        if (known[t].IsDoubtful)
+        {
+          doubtful.push_back(t);
+        }
+      }
+    }
+    measure(all, 0, fewest, 1);
+    measure(doubtful, fewest, Places.size(), 1);
+    std::copy_if(doubtful.begin(), doubtful.end(), std::back_inserter(aside),
+      [&known](std::size_t t)
+      { return known[t].Worst.Aside > FarAside * std::sqrt(known[t].Longest); });
+    measure(aside, 0, Places.size(), 2);
   }
-  known = triangles;
 
   double worst = 0.0;
   facets.Error = facets.AttributeError = 0.0;
-  for (std::size_t t = 0; t < count; ++t)
+  for (std::size_t t = 0; t < known.size(); ++t)
   {
-    facets.Error = std::max(facets.Error, errors[t].Distance);
-    facets.AttributeError = std::max(facets.AttributeError, errors[t].Attribute);
-    worst = std::max(worst, shares[t]);
-    if (shares[t] > Accepted)
+    const Facet& facet = known[t];
+    facets.Error = std::max(facets.Error, facet.Worst.Distance);
+    facets.AttributeError = std::max(facets.AttributeError, facet.Worst.Attribute);
+    worst = std::max(worst, facet.Share);
+    if (facet.Share > Accepted)
     {
-      missing.emplace_back(static_cast<int>(t), shares[t]);
+      missing.emplace_back(static_cast<int>(t), facet.Share);
     }
   }
   return worst;

@@ -67,6 +67,10 @@ void ZeroSet::Worker::Evaluate(Samples& samples, Index begin, Index end) const
 Eigen::Matrix3d ZeroSet::Worker::Jacobian(const double* derivatives) const
 {
   const int m = this->Geometry.Components();
+  if (m == 3)
+  {
+    return Eigen::Map<const Eigen::Matrix3d>(derivatives);
+  }
   Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
   for (int d = 0; d < 3; ++d)
   {

@@ -193,7 +193,7 @@ bool ZeroSet::Worker::SplitEdge(
   std::vector<std::pair<int, double>> missing;
   scratch.Measuring.Known.clear();
   const double worst = this->MeasureFacets(
-    triangles, static_cast<int>(loop.size()), loop, innerOf, scratch, piece, missing);
+    triangles, static_cast<int>(loop.size()), loop, innerOf, true, scratch, piece, missing);
   piece.Error = std::max(piece.Error, distance);
   piece.AttributeError = std::max(piece.AttributeError, attribute);
   piece.IsWithinTolerance = piece.IsWithinTolerance && worst <= 1.0;

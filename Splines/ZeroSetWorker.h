@@ -99,7 +99,7 @@ private:
   struct Middles
   {
     Eigen::Matrix3Xd Parameters, Points;
-    std::vector<Eigen::MatrixXd> Attributes;
+    std::vector<Eigen::MatrixXd> Attributes; ///< of no rows where they have no tolerance
     std::vector<int> Axes;   ///< to find the surface along; empty: along the steepest
     Eigen::Matrix3Xd Chords; ///< directions of cells whose error is across them in space, or zero
 
@@ -111,6 +111,7 @@ private:
   {
     double Distance = 0.0;
     double Attribute = 0.0; ///< by its tolerance
+    double Aside = 0.0;     ///< how far from below the cell it was measured
   };
 
   /// A piece of the surface's curve in a face of boxes, from vertex to vertex of its edges, with
@@ -174,12 +175,19 @@ private:
     std::vector<Step> Steps;
     std::vector<Step*> Path;
     /// Of MeasureFacets(), which measures triangles that it knows only once.
+    struct Facet
+    {
+      FacetTriangulation::Triangle Corners;
+      Error Worst;    ///< by its normals, then as measured too
+      double Share;   ///< of what is allowed
+      double Longest; ///< the square of its longest edge
+      bool IsDoubtful;
+      bool IsMeasured;
+    };
     struct
     {
-      std::vector<FacetTriangulation::Triangle> Known;
-      std::vector<Error> Errors;  ///< of triangles
-      std::vector<double> Shares; ///< of what is allowed
-      std::vector<std::size_t> All, Doubtful;
+      std::vector<Facet> Known;
+      std::vector<std::size_t> All, Doubtful, Aside;
       std::vector<Error> Measured;
       Middles Centres;
     } Measuring;
@@ -413,11 +421,12 @@ private:
     const std::vector<int>& axisOf, const std::vector<double>& places, std::vector<double>& errors);
   /// Of triangles whose first `boundary` points are those of the loop and the others inner ones.
   /// Those in Scratch::Measuring.Known are not measured again.
+  /// \param isFinal whether they are also measured if the normals tell that some miss a tolerance
   /// \param missing triangles that miss a tolerance, and by which factor
   /// \returns the largest error by its tolerance
   double MeasureFacets(const std::vector<FacetTriangulation::Triangle>& triangles, int boundary,
-    const std::vector<Index>& loop, const std::vector<Index>& innerOf, Scratch& scratch,
-    Facets& facets, std::vector<std::pair<int, double>>& missing) const;
+    const std::vector<Index>& loop, const std::vector<Index>& innerOf, bool isFinal,
+    Scratch& scratch, Facets& facets, std::vector<std::pair<int, double>>& missing) const;
   /// How far the cubic on a chord leaves it that rises by these two, times its length, from its
   /// ends.
   [[nodiscard]] static double HermiteHeight(double from, double to)
