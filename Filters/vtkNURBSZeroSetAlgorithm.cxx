@@ -88,7 +88,7 @@ void vtkNURBSZeroSetAlgorithm::Draw(const std::vector<Task>& tasks,
   std::vector<hyperpatch::ZeroSetMesh> surfaces;
   for (std::size_t i = 0; i < tasks.size(); ++i)
   {
-    surfaces.push_back(group.Mesh(i));
+    surfaces.push_back(group.TakeMesh(i));
   }
   this->Change(tasks, surfaces);
   const std::size_t before = output.NumberOfBlocks();

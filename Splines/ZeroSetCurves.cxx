@@ -43,16 +43,16 @@ bool ZeroSet::Worker::FindCurves()
   }
   this->Shared.Resize(*this, total);
   this->Before = Round();
-  for (std::size_t chunk = 0; chunk < found.size(); ++chunk)
-  {
-    this->Copy(found[chunk], 0, this->Shared, start[chunk], found[chunk].Count());
-    const Index first = static_cast<Index>(chunk) * Grain;
-    for (Index c = first; c < std::min(count, first + Grain); ++c)
+  return this->Parallel(count, Grain,
+    [&](Index begin, Index end)
     {
-      this->Curves[static_cast<std::size_t>(c)].First += start[chunk];
-    }
-  }
-  return true;
+      const auto chunk = static_cast<std::size_t>(begin / Grain);
+      this->Copy(found[chunk], 0, this->Shared, start[chunk], found[chunk].Count());
+      for (Index c = begin; c < end; ++c)
+      {
+        this->Curves[static_cast<std::size_t>(c)].First += start[chunk];
+      }
+    });
 }
 
 std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::FindKept() const
@@ -63,13 +63,13 @@ std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::FindKept() const
     return this->Shared.Parameters.col(now) == this->Before.Shared.Parameters.col(before) &&
       this->Shared.Points.col(now) == this->Before.Shared.Points.col(before);
   };
-  for (std::size_t i = 0; i < 6 * this->Before.AtNode.size(); ++i)
+  const auto compare = [&](std::size_t i)
   {
     const int face = this->AtNode[i / 6].Faces[i % 6];
     const int faceBefore = this->Before.AtNode[i / 6].Faces[i % 6];
     if (face < 0 || faceBefore < 0)
     {
-      continue;
+      return;
     }
     const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(face)];
     const auto [firstBefore, countBefore] =
@@ -90,7 +90,15 @@ std::vector<ZeroSet::Worker::Index> ZeroSet::Worker::FindKept() const
         }
       }
     }
-  }
+  };
+  this->Parallel(6 * static_cast<Index>(this->Before.AtNode.size()), 64 * Batch,
+    [&compare](Index begin, Index end)
+    {
+      for (Index i = begin; i < end; ++i)
+      {
+        compare(static_cast<std::size_t>(i));
+      }
+    });
   return kept;
 }
 

@@ -2,7 +2,7 @@
 #include "ZeroSetWorker.h"
 
 #include <algorithm>
-#include <utility>
+#include <cmath>
 
 namespace hyperpatch
 {
@@ -59,32 +59,28 @@ void ZeroSet::Worker::ForMinimalEdges(const Edge& edge, bool forward, Visitor&& 
   this->ForMinimalEdges(parts[forward ? 1 : 0], forward, visit);
 }
 
-ZeroSet::Worker::Index ZeroSet::Worker::VertexOn(const Edge& edge)
+ZeroSet::Worker::VertexPlace ZeroSet::Worker::VertexOn(const Edge& edge) const
 {
   // Only a positive end can be zero; then the vertex is that node.
-  const double low = this->ValueAt(edge.Low);
-  const double high = this->ValueAt(edge.High);
-  if (low == 0.0 || high == 0.0)
-  {
-    return this->VertexAt(low == 0.0 ? edge.Low : edge.High);
-  }
-  return this->AddVertex(edge.Low, { edge.At, edge.Axis, edge.Size, low, high, 0.0, false });
+  return this->ValueAt(edge.Low) == 0.0 ? VertexAt(edge.Low)
+    : this->ValueAt(edge.High) == 0.0   ? VertexAt(edge.High)
+                                        : VertexPlace{ edge.Low, edge.High, edge.Axis };
 }
 
-ZeroSet::Worker::Index ZeroSet::Worker::VertexAt(int node)
+ZeroSet::Worker::Index ZeroSet::Worker::AddVertex(const VertexPlace& place)
 {
-  return this->AddVertex(
-    node, { this->NodeAt[static_cast<std::size_t>(node)], 3, 0, 0.0, 0.0, 0.0, true });
-}
-
-ZeroSet::Worker::Index ZeroSet::Worker::AddVertex(int node, const Vertex& vertex)
-{
-  int& number =
-    this->AtNode[static_cast<std::size_t>(node)].Vertices[static_cast<std::size_t>(vertex.Axis)];
+  const auto low = static_cast<std::size_t>(place.Low);
+  int& number = this->AtNode[low].Vertices[static_cast<std::size_t>(place.Axis)];
   if (number < 0)
   {
     number = static_cast<int>(this->Vertices.size());
-    this->Vertices.push_back(vertex);
+    const auto d = static_cast<std::size_t>(place.Axis % 4);
+    const Node& at = this->NodeAt[low];
+    const bool isOnEdge = place.Axis < 3;
+    this->Vertices.push_back({ at, place.Low, place.Axis,
+      place.Axis == 3 ? 0 : this->NodeAt[static_cast<std::size_t>(place.High)][d] - at[d],
+      isOnEdge ? this->ValueAt(place.Low) : 0.0, isOnEdge ? this->ValueAt(place.High) : 0.0,
+      place.Axis > 3 ? 0.5 : 0.0, place.Axis == 3 });
   }
   return number;
 }
@@ -110,39 +106,36 @@ std::array<ZeroSet::Worker::Edge, 4> ZeroSet::Worker::EdgesOf(const Face& face)
     { top, size, b, nodes[3], nodes[2] }, { low, size, c, nodes[0], nodes[3] } } };
 }
 
-ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Face& face, unsigned divided)
+void ZeroSet::Worker::TraceFace(const LeafFace& leafFace, Traced& traced) const
 {
-  const auto& [low, size, normal, nodes] = face;
-  int& number =
-    this->AtNode[static_cast<std::size_t>(nodes[0])].Faces[static_cast<std::size_t>(normal)];
-  if (number >= 0)
-  {
-    return number;
-  }
-  number = static_cast<int>(this->CurvesOfFace.size());
-  const auto first = static_cast<Index>(this->Curves.size());
-  this->CurvesOfFace.push_back({ first, 0 });
+  const auto& [low, size, normal, nodes] = leafFace.At;
+  const std::size_t before = traced.Curves.size();
   // Once around, counter-clockwise seen from the end of the normal axis.
-  std::vector<Crossing>& crossings = this->Crossings;
-  std::vector<int>& corners = this->Around;
+  std::vector<Traced::Crossing>& crossings = traced.Crossings;
+  std::vector<int>& corners = traced.Around;
   crossings.clear();
   corners.clear();
-  const std::array<Edge, 4> edges = EdgesOf(face);
-  bool before = this->ValueAt(nodes[0]) >= 0.0;
+  const auto keyOf = [&traced](const VertexPlace& vertex)
+  {
+    traced.Vertices.push_back(vertex);
+    return vertex.Key();
+  };
+  const std::array<Edge, 4> edges = EdgesOf(leafFace.At);
+  bool wasPositive = this->ValueAt(nodes[0]) >= 0.0;
   for (std::size_t e = 0; e < 4; ++e)
   {
     const bool forward = e < 2;
     const auto visit = [&](const Edge& edge)
     {
       corners.push_back(forward ? edge.Low : edge.High);
-      const bool after = this->ValueAt(forward ? edge.High : edge.Low) >= 0.0;
-      if (before != after)
+      const bool isPositive = this->ValueAt(forward ? edge.High : edge.Low) >= 0.0;
+      if (wasPositive != isPositive)
       {
-        crossings.push_back({ this->VertexOn(edge), before, corners.size() });
+        crossings.push_back({ keyOf(this->VertexOn(edge)), wasPositive, corners.size() });
       }
-      before = after;
+      wasPositive = isPositive;
     };
-    if ((divided >> e & 1u) != 0)
+    if ((leafFace.Divided >> e & 1u) != 0)
     {
       this->ForMinimalEdges(edges[e], forward, visit);
     }
@@ -151,9 +144,10 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Face& face, unsigned div
       visit(edges[e]);
     }
   }
+  traced.Counts.push_back(0);
   if (crossings.empty())
   {
-    return number;
+    return;
   }
   const int line = low[static_cast<std::size_t>(normal)];
   const bool onCrease =
@@ -179,7 +173,7 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Face& face, unsigned div
     cutNegative = value >= 0.0;
   }
   const auto add = [&](Index from, Index to) {
-    this->Curves.push_back({ from, to, 0, 0, normal, onCrease, false, {}, line, -1 });
+    traced.Curves.push_back({ from, to, 0, 0, normal, onCrease, false, {}, line, -1 });
   };
   for (std::size_t i = 0; i < crossings.size(); ++i)
   {
@@ -189,7 +183,7 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Face& face, unsigned div
     }
     // From where the walk leaves the positive side: around what follows, or around what was.
     const std::size_t other = (cutNegative ? i + 1 : i + crossings.size() - 1) % crossings.size();
-    Index from = crossings[i].Vertex;
+    Index from = crossings[i].Key;
     // A positive side that is all zero is the curve.
     const std::size_t begin = crossings[other].Corner;
     std::size_t end = crossings[i].Corner;
@@ -202,17 +196,16 @@ ZeroSet::Worker::Index ZeroSet::Worker::TraceFace(const Face& face, unsigned div
     }
     for (std::size_t k = end; k > begin + 1 && isZero; --k)
     {
-      const Index next = this->VertexAt(corner(k - 2));
+      const Index next = keyOf(VertexAt(corner(k - 2)));
       add(from, next);
       from = next;
     }
-    if (!isZero || from != crossings[other].Vertex)
+    if (!isZero || from != crossings[other].Key)
     {
-      add(from, crossings[other].Vertex);
+      add(from, crossings[other].Key);
     }
   }
-  this->CurvesOfFace.back()[1] = static_cast<Index>(this->Curves.size()) - first;
-  return number;
+  traced.Counts.back() = static_cast<Index>(traced.Curves.size() - before);
 }
 
 bool ZeroSet::Worker::IsFlat(const Leaf& leaf, int normal, bool high) const
@@ -252,206 +245,37 @@ void ZeroSet::Worker::TraceFlat(const Face& face)
     this->ForMinimalEdges(edges[e], forward,
       [&](const Edge& edge)
       {
-        this->Curves.push_back({ this->VertexAt(forward ? edge.Low : edge.High),
-          this->VertexAt(forward ? edge.High : edge.Low), 0, 0, normal, true, false, {}, line,
-          -1 });
+        const Index from = this->AddVertex(VertexAt(forward ? edge.Low : edge.High));
+        const Index to = this->AddVertex(VertexAt(forward ? edge.High : edge.Low));
+        this->Curves.push_back({ from, to, 0, 0, normal, true, false, {}, line, -1 });
       });
   }
   this->CurvesOfFace.push_back({ first, static_cast<Index>(this->Curves.size()) - first });
 }
 
-std::pair<ZeroSet::Worker::Index, bool> ZeroSet::Worker::AddNode(const Node& node)
+ZeroSet::Worker::Face ZeroSet::Worker::FaceOf(std::size_t leaf, int normal, bool isUpper) const
 {
-  const auto added = this->Nodes.Number({ node[0], node[1], node[2], 0 });
-  if (added.second)
-  {
-    this->NodeAt.push_back(node);
-  }
-  return added;
-}
-
-void ZeroSet::Worker::CollectNodes()
-{
-  const std::size_t known = this->CornersOf.size();
-  // In Morton order what is near in space is near in memory.
-  std::sort(this->Leaves.begin() + static_cast<std::ptrdiff_t>(known), this->Leaves.end(),
-    [](const Leaf& a, const Leaf& b)
-    {
-      int most = 0;
-      bool less = false;
-      for (std::size_t d = 0; d < 3; ++d)
-      {
-        const int differs = a.At.Low[d] ^ b.At.Low[d];
-        if (most < differs && most < (most ^ differs)) // a higher bit than before
-        {
-          most = differs;
-          less = a.At.Low[d] < b.At.Low[d];
-        }
-      }
-      return less;
-    });
-  this->CornersOf.resize(this->Leaves.size());
-  const auto addCorners = [this](const Box& box, int divisions)
-  {
-    std::array<int, 3> count{ 1, 1, 1 };
-    for (const int d : this->Axes)
-    {
-      count[static_cast<std::size_t>(d)] = divisions + 1;
-    }
-    const int step = box.Size / divisions;
-    for (int i = 0; i < count[0] * count[1] * count[2]; ++i)
-    {
-      this->AddNode(
-        { box.Low[0] + step * (i % count[0]), box.Low[1] + step * (i / count[0] % count[1]),
-          box.Low[2] + step * (i / (count[0] * count[1])) });
-    }
-  };
-  // The corners of leaves, and the places where boxes around them were halved.
-  for (std::size_t l = known; l < this->Leaves.size(); ++l)
-  {
-    const Leaf& leaf = this->Leaves[l];
-    for (int c = 0; c < 8; ++c)
-    {
-      this->CornersOf[l][static_cast<std::size_t>(c)] =
-        static_cast<int>(this->AddNode(this->Corner(leaf.At, c)).first);
-    }
-    for (Box box = leaf.At; box.Size < CellLines::RootSize;)
-    {
-      box.Size *= 2;
-      for (const int d : this->Axes)
-      {
-        box.Low[static_cast<std::size_t>(d)] &= ~(box.Size - 1);
-      }
-      if (!this->HalvedKeys.Number({ box.Low[0], box.Low[1], box.Low[2], box.Size }).second)
-      {
-        break;
-      }
-      this->Halved.push_back(box);
-      addCorners(box, 2);
-    }
-  }
-}
-
-bool ZeroSet::Worker::FindValues()
-{
-  const std::size_t known = this->NodeValues.size();
-  this->NodeValues.resize(this->Nodes.Count());
-  return this->Parallel(static_cast<Index>(this->NodeValues.size() - known), Batch,
-    [this, known](Index begin, Index end)
-    {
-      Eigen::Matrix<double, 3, Batch> parameters;
-      const std::size_t first = known + static_cast<std::size_t>(begin);
-      for (Index i = 0; i < end - begin; ++i)
-      {
-        parameters.col(i) = this->ParameterOf(this->NodeAt[first + static_cast<std::size_t>(i)]);
-      }
-      this->Field.Evaluate(
-        static_cast<std::size_t>(end - begin), parameters.data(), &this->NodeValues[first]);
-    });
-}
-
-ZeroSet::Worker::Sides ZeroSet::Worker::CommonSides(const std::array<int, 3>& offset)
-{
-  const auto step = [&offset](int d) { return offset[static_cast<std::size_t>(d)]; };
-  const auto touches = [&step](int d, bool high) { return step(d) == 0 || (step(d) > 0) == high; };
-  Sides common = 0;
-  for (int d = 0; d < 3; ++d)
-  {
-    const int b = (d + 1) % 3;
-    const int c = (d + 2) % 3;
-    for (const bool high : { false, true })
-    {
-      const bool isBeside = step(b) == 0 && step(c) == 0;
-      common |= isBeside && touches(d, high) ? FaceBit(d, high) : 0u;
-      for (const bool other : { false, true })
-      {
-        const bool isAlong = step(d) == 0 && touches(b, high) && touches(c, other);
-        common |= isAlong ? EdgeBit(d, high, other) : 0u;
-      }
-    }
-  }
-  return common;
-}
-
-void ZeroSet::Worker::FindDivided()
-{
-  this->Divided.assign(this->Leaves.size(), this->Axes.size() < 3 ? AllSides : 0u);
-  if (this->Axes.size() < 3)
-  {
-    return;
-  }
-  Numbering leaves;
-  for (std::size_t l = 0; l < this->Leaves.size(); ++l)
-  {
-    const Box& box = this->Leaves[l].At;
-    leaves.Number({ box.Low[0], box.Low[1], box.Low[2], box.Size });
-    // Nodes on sides may be those of boxes beyond.
-    for (int d = 0; d < 3; ++d)
-    {
-      for (const int step : { -1, 1 })
-      {
-        std::array<int, 3> offset{};
-        offset[static_cast<std::size_t>(d)] = step;
-        const int low = box.Low[static_cast<std::size_t>(d)];
-        this->Divided[l] |=
-          this->GoesOn(d, step < 0 ? low : low + box.Size) ? CommonSides(offset) : 0u;
-      }
-    }
-  }
-  // Others are those of boxes beside that were halved: nodes of smaller ones come with those.
-  for (int i = 0; i < 27; ++i)
-  {
-    const std::array<int, 3> offset{ i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1 };
-    const Sides common = CommonSides({ -offset[0], -offset[1], -offset[2] });
-    if (common == 0 || i == 13)
-    {
-      continue;
-    }
-    for (const Box& box : this->Halved)
-    {
-      const Index leaf = leaves.Find({ box.Low[0] + offset[0] * box.Size,
-        box.Low[1] + offset[1] * box.Size, box.Low[2] + offset[2] * box.Size, box.Size });
-      if (leaf >= 0)
-      {
-        this->Divided[static_cast<std::size_t>(leaf)] |= common;
-      }
-    }
-  }
-}
-
-void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
-{
-  const Leaf& traced = this->Leaves[leaf];
-  const auto& [low, size] = traced.At;
   const std::array<int, 8>& nodes = this->CornersOf[leaf];
-  const auto face = [&](int normal, bool high)
-  {
-    const std::size_t b = 1u << (normal + 1) % 3;
-    const std::size_t c = 1u << (normal + 2) % 3;
-    const std::size_t lowest = high ? 1u << normal : 0u;
-    Node at = low;
-    at[static_cast<std::size_t>(normal)] += high ? size : 0;
-    return Face{ at, size, normal,
-      { nodes[lowest], nodes[lowest + b], nodes[lowest + b + c], nodes[lowest + c] } };
-  };
+  const auto& [low, size] = this->Leaves[leaf].At;
+  const std::size_t b = 1u << (normal + 1) % 3;
+  const std::size_t c = 1u << (normal + 2) % 3;
+  const std::size_t lowest = isUpper ? 1u << normal : 0u;
+  Node at = low;
+  at[static_cast<std::size_t>(normal)] += isUpper ? size : 0;
+  return { at, size, normal,
+    { nodes[lowest], nodes[lowest + b], nodes[lowest + b + c], nodes[lowest + c] } };
+}
+
+void ZeroSet::Worker::FindFaces(std::size_t leaf, std::vector<LeafFace>& faces) const
+{
+  const auto number = static_cast<int>(leaf);
   if (this->Axes.size() == 2)
   {
-    this->TraceFace(face(3 - this->Axes[0] - this->Axes[1], false), AllSides);
+    const int normal = 3 - this->Axes[0] - this->Axes[1];
+    faces.push_back({ this->FaceOf(leaf, normal, false), AllSides, number, false });
     return;
   }
-  if (this->Axes.size() == 1)
-  {
-    const int axis = this->Axes[0];
-    this->ForMinimalEdges({ low, size, axis, nodes[0], nodes[std::size_t{ 1 } << axis] }, true,
-      [&](const Edge& edge)
-      {
-        if ((this->ValueAt(edge.Low) >= 0.0) != (this->ValueAt(edge.High) >= 0.0))
-        {
-          this->VertexOn(edge);
-        }
-      });
-    return;
-  }
+  const std::array<int, 8>& nodes = this->CornersOf[leaf];
   unsigned positive = 0; // bits of corners
   for (std::size_t c = 0; c < 8; ++c)
   {
@@ -473,30 +297,35 @@ void ZeroSet::Worker::TraceLeaf(std::size_t leaf)
       {
         dividedEdges |= (divided & edges[e]) != 0 ? 1u << e : 0u;
       }
-      const auto visit = [&](const Face& part)
-      {
-        const Index number = this->TraceFace(part, part.Size == size ? dividedEdges : AllSides);
-        this->FacesOfLeaf.push_back(2 * number + (high ? 1 : 0));
-        const auto [first, count] = this->CurvesOfFace[static_cast<std::size_t>(number)];
-        for (Index i = first; i < first + count && traced.Height >= 0; ++i)
-        {
-          this->Curves[static_cast<std::size_t>(i)].Heights |= 1u << traced.Height;
-        }
-      };
+      const int size = this->Leaves[leaf].At.Size;
       if ((divided & FaceBit(normal, high)) != 0)
       {
-        this->ForMinimalFaces(face(normal, high), visit);
+        this->ForMinimalFaces(this->FaceOf(leaf, normal, high),
+          [&](const Face& part) {
+            faces.push_back({ part, part.Size == size ? dividedEdges : AllSides, number, high });
+          });
       }
       else if (dividedEdges != 0 || ((positive & corners) != 0 && (positive & corners) != corners))
       {
-        visit(face(normal, high));
-      }
-      if (traced.Flat != 0 && this->IsDrawn(traced, normal, high))
-      {
-        this->TraceFlat(face(normal, high));
+        faces.push_back({ this->FaceOf(leaf, normal, high), dividedEdges, number, high });
       }
     }
   }
+}
+
+void ZeroSet::Worker::TraceEdge(std::size_t leaf)
+{
+  const auto& [low, size] = this->Leaves[leaf].At;
+  const std::array<int, 8>& nodes = this->CornersOf[leaf];
+  const int axis = this->Axes[0];
+  this->ForMinimalEdges({ low, size, axis, nodes[0], nodes[std::size_t{ 1 } << axis] }, true,
+    [&](const Edge& edge)
+    {
+      if ((this->ValueAt(edge.Low) >= 0.0) != (this->ValueAt(edge.High) >= 0.0))
+      {
+        this->AddVertex(this->VertexOn(edge));
+      }
+    });
 }
 
 bool ZeroSet::Worker::TraceFaces()
@@ -510,23 +339,142 @@ bool ZeroSet::Worker::TraceFaces()
   std::swap(round.Shared, this->Shared);
   this->Before = std::move(round);
   this->AtNode.assign(this->NodeAt.size(), {});
-  this->FacesOfLeaf.clear();
-  this->FirstFace.clear();
   this->LargestValue = 0.0;
   for (const double value : this->NodeValues)
   {
     this->LargestValue = std::max(this->LargestValue, std::abs(value));
   }
-
   this->FindDivided();
+  if (this->Axes.size() > 1)
+  {
+    return this->TraceAll() && this->FindVertices();
+  }
   for (std::size_t leaf = 0; leaf < this->Leaves.size(); ++leaf)
   {
-    this->FirstFace.push_back(static_cast<Index>(this->FacesOfLeaf.size()));
-    this->TraceLeaf(leaf);
+    this->TraceEdge(leaf);
   }
-  this->FirstFace.push_back(static_cast<Index>(this->FacesOfLeaf.size()));
-  this->FindEdgeCurves();
   return this->FindVertices();
+}
+
+bool ZeroSet::Worker::TraceAll()
+{
+  // In parallel what costs most: looking nodes up, and walking around faces. Numbers are given in
+  // between, in the order of the leaves.
+  constexpr Index Grain = 256;
+  const bool isSolid = this->Axes.size() == 3;
+  const auto leaves = static_cast<Index>(this->Leaves.size());
+  this->FirstFace.assign(this->Leaves.size() + 1, 0);
+  std::vector<std::vector<LeafFace>> chunks(static_cast<std::size_t>((leaves + Grain - 1) / Grain));
+  const bool found = this->Parallel(leaves, Grain,
+    [&](Index begin, Index end)
+    {
+      std::vector<LeafFace>& own = chunks[static_cast<std::size_t>(begin / Grain)];
+      for (auto leaf = static_cast<std::size_t>(begin); leaf < static_cast<std::size_t>(end);
+           ++leaf)
+      {
+        const std::size_t before = own.size();
+        this->FindFaces(leaf, own);
+        this->FirstFace[leaf + 1] = isSolid ? static_cast<Index>(own.size() - before) : 0;
+      }
+    });
+  if (!found)
+  {
+    return false;
+  }
+  for (std::size_t leaf = 1; leaf < this->FirstFace.size(); ++leaf)
+  {
+    this->FirstFace[leaf] += this->FirstFace[leaf - 1];
+  }
+  this->FacesOfLeaf.clear();
+  std::vector<const LeafFace*> faces;
+  std::vector<unsigned> heights; // Curve::Heights of those in each face
+  for (const std::vector<LeafFace>& chunk : chunks)
+  {
+    for (const LeafFace& face : chunk)
+    {
+      int& number = this->AtNode[static_cast<std::size_t>(face.At.Corners[0])]
+                      .Faces[static_cast<std::size_t>(face.At.Normal)];
+      if (number < 0)
+      {
+        number = static_cast<int>(faces.size());
+        faces.push_back(&face);
+        heights.push_back(0);
+      }
+      if (isSolid)
+      {
+        const int height = this->Leaves[static_cast<std::size_t>(face.Leaf)].Height;
+        heights[static_cast<std::size_t>(number)] |= height >= 0 ? 1u << height : 0u;
+        this->FacesOfLeaf.push_back(2 * number + (face.IsUpper ? 1 : 0));
+      }
+    }
+  }
+
+  const auto count = static_cast<Index>(faces.size());
+  std::vector<Traced> traced(static_cast<std::size_t>((count + Grain - 1) / Grain));
+  const bool finished = this->Parallel(count, Grain,
+    [&](Index begin, Index end)
+    {
+      for (Index i = begin; i < end; ++i)
+      {
+        this->TraceFace(
+          *faces[static_cast<std::size_t>(i)], traced[static_cast<std::size_t>(begin / Grain)]);
+      }
+    });
+  if (!finished)
+  {
+    return false;
+  }
+  Index curves = 0;
+  for (const Traced& some : traced)
+  {
+    for (const VertexPlace& vertex : some.Vertices)
+    {
+      this->AddVertex(vertex);
+    }
+    for (const Index own : some.Counts)
+    {
+      this->CurvesOfFace.push_back({ curves, own });
+      curves += own;
+    }
+  }
+  this->Curves.resize(static_cast<std::size_t>(curves));
+  const auto numberOf = [this](Index key)
+  {
+    return this->AtNode[static_cast<std::size_t>(key / 8)]
+      .Vertices[static_cast<std::size_t>(key % 8)];
+  };
+  const bool copied = this->Parallel(count, Grain,
+    [&](Index begin, Index end)
+    {
+      auto curve = traced[static_cast<std::size_t>(begin / Grain)].Curves.begin();
+      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      {
+        const auto [first, own] = this->CurvesOfFace[i];
+        for (Index c = first; c < first + own; ++c, ++curve)
+        {
+          curve->From = numberOf(curve->From);
+          curve->To = numberOf(curve->To);
+          curve->Heights = heights[i];
+          this->Curves[static_cast<std::size_t>(c)] = *curve;
+        }
+      }
+    });
+  if (!copied)
+  {
+    return false;
+  }
+  for (std::size_t leaf = 0; leaf < this->Leaves.size(); ++leaf)
+  {
+    for (int side = 0; side < 6 && this->Leaves[leaf].Flat != 0; ++side)
+    {
+      if (this->IsDrawn(this->Leaves[leaf], side / 2, side % 2 != 0))
+      {
+        this->TraceFlat(this->FaceOf(leaf, side / 2, side % 2 != 0));
+      }
+    }
+  }
+  this->FindEdgeCurves();
+  return true;
 }
 
 void ZeroSet::Worker::FindEdgeCurves()
@@ -555,10 +503,9 @@ void ZeroSet::Worker::FindEdgeCurves()
     }
     if (differing == 1 && creases)
     {
-      const auto D = static_cast<std::size_t>(axis);
-      const Vertex middle{ low, 4 + axis, high[D] - low[D], 0.0, 0.0, 0.5, false };
       this->Curves[c].EdgeAxis = axis;
-      this->AddVertex(static_cast<int>(this->Find(low)), middle);
+      this->AddVertex(
+        { static_cast<int>(this->Find(low)), static_cast<int>(this->Find(high)), 4 + axis });
     }
   }
 }

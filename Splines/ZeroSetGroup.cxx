@@ -509,6 +509,11 @@ const ZeroSetMesh& ZeroSetGroup::Mesh(std::size_t member) const
   return this->W->ZeroSets[member]->Mesh();
 }
 
+ZeroSetMesh ZeroSetGroup::TakeMesh(std::size_t member)
+{
+  return std::move(this->W->ZeroSets[member]->W->Mesh);
+}
+
 const std::vector<ParameterBox>& ZeroSetGroup::UndecidedBoxes(std::size_t member) const
 {
   return this->W->ZeroSets[member]->UndecidedBoxes();

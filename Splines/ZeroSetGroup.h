@@ -71,6 +71,8 @@ public:
 
   /// Of one of the members here, in the order in which they were given.
   [[nodiscard]] const ZeroSetMesh& Mesh(std::size_t member) const;
+  /// The same to keep: the group has it no more.
+  [[nodiscard]] ZeroSetMesh TakeMesh(std::size_t member);
   [[nodiscard]] const std::vector<ParameterBox>& UndecidedBoxes(std::size_t member) const;
   /// Of all members here together.
   [[nodiscard]] ZeroSetCertificate Certificate() const;

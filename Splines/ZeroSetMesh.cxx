@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -13,8 +14,57 @@ namespace hyperpatch
 namespace
 {
 
-/// So many cells are gone through between two looks for an abort.
-constexpr Eigen::Index Step = 1 << 12;
+/// So many pieces are gone through between two looks for an abort, in a row and in parallel.
+constexpr std::int64_t Step = 1 << 12;
+constexpr std::int64_t Grain = 64;
+
+/// Numbers points, once per set of sides on which there is one of its own.
+class Columns
+{
+public:
+  using Index = std::int64_t;
+
+  explicit Columns(Index points)
+    : Place(static_cast<std::size_t>(points), -1)
+  {
+  }
+
+  void Add(Index point, int sides)
+  {
+    Index& place = this->Place[static_cast<std::size_t>(point)];
+    const bool isNew = sides == 0 ? place < 0 : this->Copies.Number(KeyOf(point, sides)).second;
+    if (isNew)
+    {
+      sides == 0 ? static_cast<void>(place = this->Count()) : this->OfCopy.push_back(this->Count());
+      this->Points.emplace_back(point, sides);
+    }
+  }
+
+  [[nodiscard]] Index Find(Index point, int sides) const
+  {
+    return sides == 0
+      ? this->Place[static_cast<std::size_t>(point)]
+      : this->OfCopy[static_cast<std::size_t>(this->Copies.Find(KeyOf(point, sides)))];
+  }
+
+  [[nodiscard]] Index Count() const { return static_cast<Index>(this->Points.size()); }
+  /// The point and its sides.
+  [[nodiscard]] const std::pair<Index, int>& operator[](Index column) const
+  {
+    return this->Points[static_cast<std::size_t>(column)];
+  }
+
+private:
+  static Numbering::Key KeyOf(Index point, int sides)
+  {
+    return { static_cast<int>(point), static_cast<int>(point >> 32), sides, 0 };
+  }
+
+  std::vector<Index> Place; ///< of points without sides
+  Numbering Copies;         ///< of the others
+  std::vector<Index> OfCopy;
+  std::vector<std::pair<Index, int>> Points;
+};
 
 }
 
@@ -33,63 +83,90 @@ unsigned ZeroSet::Worker::SidesOf(const std::array<Index, 2>& edge) const
 
 std::vector<ZeroSet::Worker::CrowdedEdge> ZeroSet::Worker::FindOpenEdges()
 {
-  // Inner points are of one piece, whose edges at them are shared by its own triangles.
-  Numbering numbers;
+  // Edges by ranges of their lower ends, as each chunk of the pieces passes them. Inner points are
+  // of one piece, whose edges at them are shared by its own triangles.
   struct Passed
   {
-    Index Low, High;
-    int Up, Down; ///< how often it is passed
+    int Low, High;
+    bool IsUp;
   };
-  std::vector<Passed> edges;
+  constexpr Index Ranges = 32;
+  constexpr Index Chunk = 8 * Grain;
+  const auto count = static_cast<Index>(this->Pieces.size());
+  const Index perRange = this->Shared.Count() / Ranges + 1;
+  std::vector<std::array<std::vector<Passed>, Ranges>> passed(
+    static_cast<std::size_t>((count + Chunk - 1) / Chunk));
   const bool isMirrored = this->Options.Handedness < 0;
-  for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
-  {
-    if (leaf % Step == 0 && this->Options.Abort())
+  this->Parallel(count, Chunk,
+    [&](Index begin, Index end)
     {
-      return {};
-    }
-    const Facets& piece = this->Pieces[leaf];
-    for (const auto& cell : piece.Cells)
-    {
-      for (std::size_t k = 0; k < 3; ++k)
+      auto& own = passed[static_cast<std::size_t>(begin / Chunk)];
+      for (Index leaf = begin; leaf < end; ++leaf)
       {
-        if (cell[k] < 0 || cell[(k + 1) % 3] < 0)
+        const Facets& piece = this->Pieces[static_cast<std::size_t>(leaf)];
+        for (const auto& cell : piece.Cells)
         {
-          continue;
-        }
-        const Index a = piece.Loops[static_cast<std::size_t>(cell[k])];
-        const Index b = piece.Loops[static_cast<std::size_t>(cell[(k + 1) % 3])];
-        // What has no length is open for nobody.
-        if (this->Shared.Points.col(a) != this->Shared.Points.col(b))
-        {
-          const auto [low, high] = std::minmax(a, b);
-          const auto [number, isNew] =
-            numbers.Number({ static_cast<int>(low), static_cast<int>(high), 0, 0 });
-          if (isNew)
+          for (std::size_t k = 0; k < 3; ++k)
           {
-            edges.push_back({ low, high, 0, 0 });
+            if (cell[k] < 0 || cell[(k + 1) % 3] < 0)
+            {
+              continue;
+            }
+            const Index a = piece.Loops[static_cast<std::size_t>(cell[k])];
+            const Index b = piece.Loops[static_cast<std::size_t>(cell[(k + 1) % 3])];
+            // What has no length is open for nobody.
+            if (this->Shared.Points.col(a) != this->Shared.Points.col(b))
+            {
+              const auto [low, high] = std::minmax(a, b);
+              own[static_cast<std::size_t>(low / perRange)].push_back(
+                { static_cast<int>(low), static_cast<int>(high), (a < b) != isMirrored });
+            }
           }
-          Passed& edge = edges[static_cast<std::size_t>(number)];
-          ++((a < b) != isMirrored ? edge.Up : edge.Down);
         }
       }
-    }
-  }
+    });
+  std::array<std::vector<std::array<Index, 2>>, Ranges> open;
+  std::array<std::vector<CrowdedEdge>, Ranges> crowded;
+  this->Parallel(Ranges, 1,
+    [&](Index range, Index /*end*/)
+    {
+      const auto r = static_cast<std::size_t>(range);
+      std::vector<Passed> edges;
+      for (const auto& chunk : passed)
+      {
+        edges.insert(edges.end(), chunk[r].begin(), chunk[r].end());
+      }
+      std::sort(edges.begin(), edges.end(),
+        [](const Passed& a, const Passed& b)
+        { return a.Low != b.Low ? a.Low < b.Low : a.High < b.High; });
+      for (std::size_t first = 0, i = 0; first < edges.size(); first = i)
+      {
+        const Index low = edges[first].Low;
+        const Index high = edges[first].High;
+        std::array<int, 2> times{}; // down and up
+        for (; i < edges.size() && edges[i].Low == low && edges[i].High == high; ++i)
+        {
+          ++times[edges[i].IsUp ? 1 : 0];
+        }
+        for (int left = times[1] - times[0]; left != 0; left += left > 0 ? -1 : 1)
+        {
+          open[r].push_back({ left > 0 ? low : high, left > 0 ? high : low });
+        }
+        const int most = std::max(times[0], times[1]);
+        if (most > 1)
+        {
+          crowded[r].push_back({ { low, high }, most });
+        }
+      }
+    });
   this->OpenEdges.clear();
-  std::vector<CrowdedEdge> crowded;
-  for (const Passed& edge : edges)
+  std::vector<CrowdedEdge> all;
+  for (std::size_t r = 0; r < Ranges; ++r)
   {
-    for (int left = edge.Up - edge.Down; left != 0; left += left > 0 ? -1 : 1)
-    {
-      this->OpenEdges.push_back(
-        { left > 0 ? edge.Low : edge.High, left > 0 ? edge.High : edge.Low });
-    }
-    if (std::max(edge.Up, edge.Down) > 1)
-    {
-      crowded.push_back({ { edge.Low, edge.High }, std::max(edge.Up, edge.Down) });
-    }
+    this->OpenEdges.insert(this->OpenEdges.end(), open[r].begin(), open[r].end());
+    all.insert(all.end(), crowded[r].begin(), crowded[r].end());
   }
-  return crowded;
+  return all;
 }
 
 void ZeroSet::Worker::AddUndecided(const ParameterBox& box)
@@ -129,10 +206,9 @@ bool ZeroSet::Worker::Assemble()
     this->AddUndecided(this->Parameters(box));
   }
   this->Certificate.ToleranceReached = !this->WasCapped;
-  const int axes = static_cast<int>(this->Axes.size());
   this->OpenEdges.clear();
   std::vector<char> isSingular(static_cast<std::size_t>(this->Shared.Count()), 0);
-  if (axes == 3)
+  if (this->Axes.size() == 3)
   {
     const std::vector<Index> crowded = this->PartSheets(this->FindOpenEdges());
     const std::vector<Index> crossings = this->FindCrossings();
@@ -144,29 +220,9 @@ bool ZeroSet::Worker::Assemble()
       }
     }
   }
-  // Cells as shared points >= 0 or inner points of all pieces together < 0.
-  std::vector<Index> indices;
-  std::vector<std::size_t> leafOf; // per cell
-  Index inner = 0;
-  std::vector<Index> firstInner(this->Pieces.size());
   for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
   {
-    if (leaf % Step == 0 && this->Options.Abort())
-    {
-      return false;
-    }
     const Facets& piece = this->Pieces[leaf];
-    firstInner[leaf] = inner;
-    for (const auto& cell : piece.Cells)
-    {
-      for (const Index corner : cell)
-      {
-        indices.push_back(
-          corner < 0 ? corner - inner : piece.Loops[static_cast<std::size_t>(corner)]);
-      }
-      leafOf.push_back(leaf);
-    }
-    inner += piece.Inner.Count();
     const bool isDoubtful = piece.Failed != 0 ||
       std::any_of(piece.Loops.begin(), piece.Loops.end(),
         [&isSingular](Index point) { return isSingular[static_cast<std::size_t>(point)] != 0; });
@@ -193,112 +249,94 @@ bool ZeroSet::Worker::Assemble()
         std::max(this->Certificate.LargestAttributeError, curve.Measured.Attribute);
       this->Certificate.ToleranceReached = this->Certificate.ToleranceReached && !curve.HasFailed &&
         curve.Measured.Distance <= this->Options.Tolerance && curve.Measured.Attribute <= 1.0;
-      Index from = curve.From;
-      for (Index i = 0; i <= curve.Count && axes == 2; ++i)
-      {
-        const Index to = i < curve.Count ? curve.First + i : curve.To;
-        const auto [begin, end] = this->AreLinesTurned ? std::pair(to, from) : std::pair(from, to);
-        indices.insert(indices.end(), { begin, end });
-        leafOf.push_back(0);
-        from = to;
-      }
     }
   }
-  if (axes == 1)
+  if (!(this->Axes.size() == 3 ? this->MeshPieces() : this->MeshCurves()))
   {
-    for (Index v = 0; v < static_cast<Index>(this->Vertices.size()); ++v)
-    {
-      indices.push_back(v);
-      leafOf.push_back(0);
-    }
+    return false;
   }
-  const auto count = static_cast<Index>(leafOf.size());
-  if (axes == 3 && this->Options.Handedness < 0)
-  {
-    for (Index c = 0; c < count; ++c)
-    {
-      std::swap(
-        indices[static_cast<std::size_t>(3 * c + 1)], indices[static_cast<std::size_t>(3 * c + 2)]);
-    }
-  }
+  this->Pieces.clear();
+  this->MendNormals();
+  return !this->Options.Abort();
+}
 
-  // Shared points that are used, once per side of the creases they lie on.
-  const Index shared = this->Shared.Count();
-  std::vector<Index> place(static_cast<std::size_t>(shared), -1);
-  std::vector<std::pair<Index, int>> columns; // shared point, bits of the sides it is below of
-  Numbering copies;
-  std::vector<Index> columnOf; // of the copies
-  const auto sidesOf = [&](Index point, std::size_t leaf)
+bool ZeroSet::Worker::MeshPieces()
+{
+  // Where the cells and inner points of each piece begin.
+  const auto count = static_cast<Index>(this->Pieces.size());
+  std::vector<Index> firstCell(this->Pieces.size());
+  std::vector<Index> firstInner(this->Pieces.size());
+  Index cells = 0;
+  Index inner = 0;
+  for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
+  {
+    firstCell[leaf] = cells;
+    firstInner[leaf] = inner;
+    cells += static_cast<Index>(this->Pieces[leaf].Cells.size());
+    inner += this->Pieces[leaf].Inner.Count();
+  }
+  // The sides of creases that a leaf is below of, of which a point lies on some.
+  const auto creasesAbove = [this](const Box& box)
+  {
+    int above = 0;
+    for (int d = 0; d < 3; ++d)
+    {
+      const CellLines& lines = this->Lines[static_cast<std::size_t>(d)];
+      const int end = box.Low[static_cast<std::size_t>(d)] + box.Size;
+      above |= end < lines.Length() && lines.IsCrease(end) ? 1 << d : 0;
+    }
+    return above;
+  };
+  const auto sidesOf = [this](Index point, const Box& box, int above)
   {
     int below = 0;
-    for (const int d : this->Axes)
+    for (int d = 0; above >> d != 0; ++d)
     {
-      const auto D = static_cast<std::size_t>(d);
-      const Box& box = this->Leaves[leaf].At;
-      const int end = box.Low[D] + box.Size;
-      const CellLines& lines = this->Lines[D];
-      if (end < lines.Length() && lines.IsCrease(end) &&
-        this->Shared.Parameters(d, point) == lines.Parameter(end))
-      {
-        below |= 1 << d;
-      }
+      const bool isOn = (above >> d & 1) != 0 &&
+        this->Shared.Parameters(d, point) ==
+          this->Line(d, box.Low[static_cast<std::size_t>(d)] + box.Size);
+      below |= isOn ? 1 << d : 0;
     }
     return below;
   };
-  for (Index c = 0; c < count; ++c)
+  Columns columns(this->Shared.Count());
+  for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
   {
-    if (c % Step == 0 && this->Options.Abort())
+    if (leaf % Step == 0 && this->Options.Abort())
     {
       return false;
     }
-    for (int k = 0; k < axes; ++k)
+    const Facets& piece = this->Pieces[leaf];
+    const Box& box = this->Leaves[leaf].At;
+    const int above = creasesAbove(box);
+    for (const auto& cell : piece.Cells)
     {
-      Index& corner = indices[static_cast<std::size_t>(axes * c + k)];
-      if (corner < 0)
+      for (const Index corner : cell)
       {
-        continue;
-      }
-      const int below = axes == 3 ? sidesOf(corner, leafOf[static_cast<std::size_t>(c)]) : 0;
-      const auto next = static_cast<Index>(columns.size());
-      if (below == 0)
-      {
-        Index& at = place[static_cast<std::size_t>(corner)];
-        if (at < 0)
+        if (corner >= 0)
         {
-          at = next;
-          columns.emplace_back(corner, 0);
+          const Index point = piece.Loops[static_cast<std::size_t>(corner)];
+          columns.Add(point, sidesOf(point, box, above));
         }
-        corner = at;
-      }
-      else
-      {
-        const auto [number, isNew] =
-          copies.Number({ static_cast<int>(corner), static_cast<int>(corner >> 32), below, 0 });
-        if (isNew)
-        {
-          columns.emplace_back(corner, below);
-          columnOf.push_back(next);
-        }
-        corner = columnOf[static_cast<std::size_t>(number)];
       }
     }
   }
-  const auto outer = static_cast<Index>(columns.size());
 
+  const Index outer = columns.Count();
   Samples all;
   all.Resize(*this, outer + inner);
-  Samples one; // the side below a crease
-  one.Resize(*this, 1);
-  for (Index i = 0; i < outer; ++i)
+  const auto copyShared = [&](Index begin, Index end)
   {
-    if (i % Step == 0 && this->Options.Abort())
+    Samples one; // the side below a crease
+    one.Resize(*this, 1);
+    for (Index i = begin; i < end; ++i)
     {
-      return false;
-    }
-    const auto [point, below] = columns[static_cast<std::size_t>(i)];
-    this->Copy(this->Shared, point, all, i, 1);
-    if (below != 0)
-    {
+      const auto [point, below] = columns[i];
+      this->Copy(this->Shared, point, all, i, 1);
+      if (below == 0)
+      {
+        continue;
+      }
       for (int d = 0; d < 3; ++d)
       {
         double& x = all.Parameters(d, i);
@@ -311,60 +349,122 @@ bool ZeroSet::Worker::Assemble()
         all.Attributes[a].col(i) = one.Attributes[a].col(0);
       }
     }
-  }
-  for (std::size_t leaf = 0; leaf < this->Pieces.size(); ++leaf)
+  };
+  const bool isMirrored = this->Options.Handedness < 0;
+  this->Mesh.Cells.resize(3, cells);
+  const auto copyPieces = [&](Index begin, Index end)
   {
-    if (leaf % Step == 0 && this->Options.Abort())
+    for (auto leaf = static_cast<std::size_t>(begin); leaf < static_cast<std::size_t>(end); ++leaf)
     {
-      return false;
+      const Facets& piece = this->Pieces[leaf];
+      const Box& box = this->Leaves[leaf].At;
+      const int above = creasesAbove(box);
+      const Index own = outer + firstInner[leaf];
+      this->Copy(piece.Inner, 0, all, own, piece.Inner.Count());
+      Index at = firstCell[leaf];
+      for (const auto& cell : piece.Cells)
+      {
+        for (Index k = 0; k < 3; ++k)
+        {
+          const Index corner = cell[static_cast<std::size_t>(isMirrored ? (3 - k) % 3 : k)];
+          if (corner < 0)
+          {
+            this->Mesh.Cells(k, at) = own - 1 - corner;
+            continue;
+          }
+          const Index point = piece.Loops[static_cast<std::size_t>(corner)];
+          this->Mesh.Cells(k, at) = columns.Find(point, sidesOf(point, box, above));
+        }
+        ++at;
+      }
     }
-    const Samples& piece = this->Pieces[leaf].Inner;
-    this->Copy(piece, 0, all, outer + firstInner[leaf], piece.Count());
-  }
-  for (Index& corner : indices)
+  };
+  return this->Parallel(outer, Batch, copyShared) && this->Parallel(count, Grain, copyPieces) &&
+    this->TakePoints(std::move(all));
+}
+
+bool ZeroSet::Worker::MeshCurves()
+{
+  // Segments of the curves in a surface, the vertices on a curve.
+  std::vector<Index> indices;
+  for (std::size_t c = 0; c < this->Curves.size() && this->Axes.size() == 2; ++c)
   {
-    corner = corner < 0 ? outer - 1 - corner : corner;
+    const Curve& curve = this->Curves[c];
+    Index from = curve.From;
+    for (Index i = 0; i <= curve.Count && this->CurveOf[c] == static_cast<Index>(c); ++i)
+    {
+      const Index to = i < curve.Count ? curve.First + i : curve.To;
+      const auto [begin, end] = this->AreLinesTurned ? std::pair(to, from) : std::pair(from, to);
+      indices.insert(indices.end(), { begin, end });
+      from = to;
+    }
   }
-  this->Mesh.Parameters = std::move(all.Parameters);
-  this->Mesh.Points = std::move(all.Points);
-  this->Mesh.Normals = std::move(all.Normals);
-  this->Mesh.Attributes = std::move(all.Attributes);
+  for (std::size_t v = 0; v < this->Vertices.size() && this->Axes.size() == 1; ++v)
+  {
+    indices.push_back(static_cast<Index>(v));
+  }
+  Columns columns(this->Shared.Count());
+  for (Index& point : indices)
+  {
+    columns.Add(point, 0);
+    point = columns.Find(point, 0);
+  }
+  const auto axes = static_cast<Index>(this->Axes.size());
   this->Mesh.Cells = Eigen::Map<const Eigen::Matrix<Index, Eigen::Dynamic, Eigen::Dynamic>>(
-    indices.data(), axes, count);
+    indices.data(), axes, static_cast<Index>(indices.size()) / axes);
+  Samples all;
+  all.Resize(*this, columns.Count());
+  for (Index i = 0; i < columns.Count(); ++i)
+  {
+    this->Copy(this->Shared, columns[i].first, all, i, 1);
+  }
+  return this->TakePoints(std::move(all));
+}
+
+bool ZeroSet::Worker::TakePoints(Samples&& points)
+{
+  if (this->LargestValue > 0.0 && points.Count() > 0)
+  {
+    this->Certificate.LargestResidual = points.Residuals.maxCoeff() / this->LargestValue;
+  }
+  this->Mesh.Parameters = std::move(points.Parameters);
+  this->Mesh.Points = std::move(points.Points);
+  this->Mesh.Normals = std::move(points.Normals);
+  this->Mesh.Attributes = std::move(points.Attributes);
 
   // The knot span of each cell's centre.
-  this->Mesh.Elements.resize(3, count);
+  const Index axes = this->Mesh.Cells.rows();
+  this->Mesh.Elements.resize(3, this->Mesh.Cells.cols());
+  std::array<std::vector<double>, 3> breaks;
   for (int d = 0; d < 3; ++d)
   {
-    const std::vector<double> breaks = this->Body.Geometry().Knots(d).Breaks();
-    for (Index c = 0; c < count; ++c)
+    breaks[static_cast<std::size_t>(d)] = this->Body.Geometry().Knots(d).Breaks();
+  }
+  return this->Parallel(this->Mesh.Cells.cols(), Step,
+    [&](Index begin, Index end)
     {
-      if (c % Step == 0 && this->Options.Abort())
+      for (Index c = begin; c < end; ++c)
       {
-        return false;
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (Index k = 0; k < axes; ++k)
+        {
+          sum += this->Mesh.Parameters.col(this->Mesh.Cells(k, c));
+        }
+        for (int d = 0; d < 3; ++d)
+        {
+          const std::vector<double>& b = breaks[static_cast<std::size_t>(d)];
+          const double centre = sum[d] / static_cast<double>(axes);
+          const auto span = std::upper_bound(b.begin() + 1, b.end() - 1, centre) - b.begin() - 1;
+          this->Mesh.Elements(d, c) = static_cast<int>(span);
+        }
       }
-      double sum = 0.0;
-      for (int k = 0; k < axes; ++k)
-      {
-        sum += this->Mesh.Parameters(d, this->Mesh.Cells(k, c));
-      }
-      const auto span =
-        std::upper_bound(breaks.begin() + 1, breaks.end() - 1, sum / axes) - breaks.begin() - 1;
-      this->Mesh.Elements(d, c) = static_cast<int>(span);
-    }
-  }
-  if (this->LargestValue > 0.0 && all.Residuals.size() > 0)
-  {
-    this->Certificate.LargestResidual = all.Residuals.maxCoeff() / this->LargestValue;
-  }
-  this->MendNormals();
-  return !this->Options.Abort();
+    });
 }
 
 void ZeroSet::Worker::MendNormals()
 {
   // Where the Jacobian has no rank at a pole there is no normal; take that of the triangles around.
-  if (this->Axes.size() != 3)
+  if (this->Axes.size() != 3 || !(this->Mesh.Normals.colwise().squaredNorm().array() == 0.0).any())
   {
     return;
   }

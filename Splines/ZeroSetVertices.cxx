@@ -173,7 +173,7 @@ bool ZeroSet::Worker::TakeBefore(Index v)
   {
     return false;
   }
-  const auto node = static_cast<std::size_t>(this->Find(vertex.At));
+  const auto node = static_cast<std::size_t>(vertex.Low);
   const Index before = node < this->Before.AtNode.size()
     ? this->Before.AtNode[node].Vertices[static_cast<std::size_t>(vertex.Axis)]
     : -1;

@@ -20,9 +20,10 @@
 #include <vector>
 
 /// The inside of ZeroSet, private to the files that hold it, in the order of the work:
-/// ZeroSetSearch.cxx finds the boxes that hold the surface, ZeroSetFaces.cxx where it crosses their
-/// faces and edges, ZeroSetVertices.cxx its points on edges, ZeroSetSnap.cxx joins those near a
-/// node, ZeroSetCurves.cxx its curves in faces, ZeroSetLoops.cxx joins these around each box,
+/// ZeroSetSearch.cxx finds the boxes that hold the surface, ZeroSetNodes.cxx their corners,
+/// ZeroSetFaces.cxx where the surface crosses their faces and edges, ZeroSetVertices.cxx its points
+/// on edges, ZeroSetSnap.cxx joins those near a node, ZeroSetCurves.cxx its curves in faces,
+/// ZeroSetLoops.cxx joins these around each box,
 /// ZeroSetFacets.cxx meshes it inside, ZeroSetSheets.cxx parts sheets that meet in an edge,
 /// ZeroSetMesh.cxx joins the pieces. ZeroSetProbe.cxx finds its curvature, ZeroSetMeasure.cxx
 /// errors. ZeroSetGroup.cxx does so with several at once, and lets them agree in between.
@@ -224,7 +225,7 @@ private:
   [[nodiscard]] double Width(const Box& box) const;
   [[nodiscard]] bool IsTooLarge(const Box& box, const Height& height) const;
 
-  // Faces: ZeroSetFaces.cxx
+  // Nodes: ZeroSetNodes.cxx
   void CollectNodes();
   /// \returns its number, and whether it is new
   std::pair<Index, bool> AddNode(const Node& node);
@@ -239,9 +240,6 @@ private:
     return node;
   }
   bool FindValues();
-  /// Vertices and their curves, which are only chords yet.
-  bool TraceFaces();
-  void FindEdgeCurves();
   /// The number of a node, -1 where none is.
   [[nodiscard]] Index Find(const Node& node) const
   {
@@ -290,22 +288,45 @@ private:
   /// Those that a box has in common with one as large, so many sizes away.
   [[nodiscard]] static Sides CommonSides(const std::array<int, 3>& offset);
   void FindDivided();
-  void TraceLeaf(std::size_t leaf);
-  /// The surface in a face in which no node lies.
-  /// \param divided bits of EdgesOf() it on which nodes may lie
-  /// \returns the number of the face
-  Index TraceFace(const Face& face, unsigned divided);
+
+  // Faces: ZeroSetFaces.cxx
+  /// Vertices and their curves, which are only chords yet.
+  bool TraceFaces();
+  bool TraceAll();
+  void FindEdgeCurves();
+  [[nodiscard]] Face FaceOf(std::size_t leaf, int normal, bool isUpper) const;
+  /// A face of a leaf, or a part of one, in which no node lies.
+  struct LeafFace
+  {
+    Face At;
+    unsigned Divided; ///< bits of EdgesOf() it on which nodes may lie
+    int Leaf;
+    bool IsUpper;
+  };
+  struct Traced;
+  /// Adds those in which the surface may be.
+  void FindFaces(std::size_t leaf, std::vector<LeafFace>& faces) const;
+  /// The surface in a face.
+  void TraceFace(const LeafFace& leafFace, Traced& traced) const;
+  /// The same of a leaf that is an edge.
+  void TraceEdge(std::size_t leaf);
   /// Whether f is 0 on a face of a leaf and positive inside, by its corners.
   [[nodiscard]] bool IsFlat(const Leaf& leaf, int normal, bool high) const;
   /// Whether a leaf draws the face on which f is 0: where signs at corners do not show it.
   [[nodiscard]] bool IsDrawn(const Leaf& leaf, int normal, bool high) const;
   void TraceFlat(const Face& face);
-  struct Vertex;
+  /// What a vertex is known by, before it has a number: the nodes at the ends of its edge.
+  struct VertexPlace
+  {
+    int Low, High;
+    int Axis; ///< Vertex::Axis
+
+    [[nodiscard]] Index Key() const { return 8 * static_cast<Index>(this->Low) + this->Axis; }
+  };
   /// Of an edge in which no node lies and at whose ends f has different signs.
-  Index VertexOn(const Edge& edge);
-  Index VertexAt(int node);
-  /// \param node its lower end, or itself
-  Index AddVertex(int node, const Vertex& vertex);
+  [[nodiscard]] VertexPlace VertexOn(const Edge& edge) const;
+  [[nodiscard]] static VertexPlace VertexAt(int node) { return { node, node, 3 }; }
+  Index AddVertex(const VertexPlace& place);
   /// Whether a line is a side beyond which the model goes on.
   [[nodiscard]] bool GoesOn(int direction, int line) const;
 
@@ -394,6 +415,10 @@ private:
 
   // Mesh: ZeroSetMesh.cxx
   bool Assemble();
+  /// Make the cells of the mesh and its points.
+  bool MeshPieces();
+  bool MeshCurves();
+  bool TakePoints(Samples&& points);
   /// Counts and lists a box as undecided.
   void AddUndecided(const ParameterBox& box);
   /// Shared points at which the border of the surface meets itself.
@@ -484,6 +509,7 @@ private:
   struct Vertex
   {
     Node At;
+    int Low;  ///< this node, as a number
     int Axis; ///< 3: the node itself; 4 + axis: the middle of an edge that may be a curve
     int Size;
     double FLow, FHigh;
@@ -503,14 +529,22 @@ private:
   std::vector<std::array<Index, 2>> CurvesOfFace; ///< first and count
   /// Of each leaf, up to the next one's first: 2 face, + 1 where it is an upper one.
   std::vector<Index> FacesOfLeaf, FirstFace;
-  struct Crossing
+  /// What some faces have in them.
+  struct Traced
   {
-    Index Vertex;
-    bool ToNegative;
-    std::size_t Corner; ///< the number of nodes that the walk met before
+    std::vector<Curve> Curves;         ///< from key to key of their vertices
+    std::vector<Index> Counts;         ///< of curves, per face
+    std::vector<VertexPlace> Vertices; ///< of the curves, some of them several times
+    /// Where the walk around a face meets the surface.
+    struct Crossing
+    {
+      Index Key; ///< of the vertex
+      bool ToNegative;
+      std::size_t Corner; ///< the number of nodes that the walk met before
+    };
+    std::vector<Crossing> Crossings; ///< scratch, as is Around
+    std::vector<int> Around;
   };
-  std::vector<Crossing> Crossings; ///< scratch of TraceFace, as is Around
-  std::vector<int> Around;
   std::vector<Index> CurveOf; ///< the first of the curves with the same ends; -1: no length
   Samples Shared;
   /// All that, of the round of refinement before: most of it stays as it is.
