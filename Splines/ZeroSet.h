@@ -88,8 +88,9 @@ struct ZeroSetMesh
 /// graph in that direction. The same holds on the faces that lie in the domain's boundary or in
 /// creases, for f restricted to them. Where the sheet could pass through more than one face or edge
 /// unseen by the signs at the corners, the test of Plantinga & Vegter 2004 has to hold too: no two
-/// gradients at a right angle. What passes through one is a bulge of the sheet. (The tree is not
-/// balanced as theirs is: each piece is proven, not that the whole is isotopic to the zero set.)
+/// gradients at a right angle. What passes through one is a bulge of the sheet beside, which draws
+/// it; where the box beside is undecided, so is this one. (The tree is not balanced as theirs is:
+/// each piece is proven, not that the whole is isotopic to the zero set.)
 /// Leaves may hold many knot spans or a small part of one. The sheet meets the faces between leaves
 /// in curves that both sides share; inside its leaf it is meshed by a constrained Delaunay
 /// triangulation in the metric of its curvature and of the attributes. Vertices are on f = 0 to

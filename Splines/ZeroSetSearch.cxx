@@ -73,108 +73,6 @@ double ZeroSet::Worker::Width(const Box& box) const
   return (x.rowwise().maxCoeff() - x.rowwise().minCoeff()).norm();
 }
 
-bool ZeroSet::Worker::IsGraph(const BoxSpline& f, const std::array<Part, 3>& part) const
-{
-  if (!f.Values(part).Contains(0.0) || f.Vanishes(part))
-  {
-    return true;
-  }
-  bool isPoint = true;
-  for (const int d : this->Axes)
-  {
-    if (part[static_cast<std::size_t>(d)] == Part::Whole)
-    {
-      isPoint = false;
-      if (!f.Derivative(d, part).Contains(0.0))
-      {
-        return true;
-      }
-    }
-  }
-  return isPoint;
-}
-
-ZeroSet::Worker::Height ZeroSet::Worker::FindHeight(const Box& box, const BoxSpline& f) const
-{
-  Height height;
-  double least = 0.0;
-  double greatest = 0.0;
-  double product = 0.0; // no more than that of any two gradients
-  for (const int d : this->Axes)
-  {
-    const Range slope = f.Derivative(d, { Part::Whole, Part::Whole, Part::Whole });
-    const double low = std::min(std::abs(slope.Low), std::abs(slope.High));
-    product += slope.Contains(0.0) ? slope.Low * slope.High : low * low;
-    greatest = std::max({ greatest, std::abs(slope.Low), std::abs(slope.High) });
-    if (!slope.Contains(0.0) && low > least)
-    {
-      least = low;
-      height.Axis = d;
-      height.Rises = slope.Low > 0.0;
-    }
-  }
-  height.Steepness = greatest > 0.0 ? least / greatest : 0.0;
-
-  std::array<std::array<Part, 3>, 3> parts{};
-  std::array<int, 3> count{ 1, 1, 1 };
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    const CellLines& lines = this->Lines[d];
-    parts[d][0] = Part::Whole;
-    for (const bool high : { false, true })
-    {
-      if (lines.IsCrease(box.Low[d] + (high ? box.Size : 0)))
-      {
-        parts[d][static_cast<std::size_t>(count[d]++)] =
-          high != lines.IsMirrored() ? Part::High : Part::Low;
-      }
-    }
-  }
-  for (int i = 1; i < count[0] * count[1] * count[2] && height.Axis >= 0; ++i)
-  {
-    const std::array<Part, 3> part{ parts[0][static_cast<std::size_t>(i % count[0])],
-      parts[1][static_cast<std::size_t>(i / count[0] % count[1])],
-      parts[2][static_cast<std::size_t>(i / (count[0] * count[1]))] };
-    height.Axis = this->IsGraph(f, part) ? height.Axis : -1;
-  }
-  // A neck has gradients at a right angle to each other (Plantinga & Vegter 2004).
-  if (height.Axis >= 0 && product <= 0.0 && this->CanHideNeck(f))
-  {
-    height.Axis = -1;
-  }
-  return height;
-}
-
-bool ZeroSet::Worker::CanHideNeck(const BoxSpline& f) const
-{
-  // A tube along which f grows is a graph. Signs at nodes do not show where it passes through a
-  // face, or through an edge twice; where it can do so at one place only, that is a bulge.
-  if (this->Axes.size() < 3)
-  {
-    return false;
-  }
-  int hidden = 0;
-  for (int d = 0; d < 3 && hidden < 2; ++d)
-  {
-    for (int side = 0; side < 6 && hidden < 2; ++side)
-    {
-      const auto D = static_cast<std::size_t>(d);
-      std::array<Part, 3> part{ Part::Whole, Part::Whole, Part::Whole };
-      if (side < 2)
-      {
-        part[D] = side == 0 ? Part::Low : Part::High;
-      }
-      else
-      {
-        part[(D + 1) % 3] = side % 2 == 0 ? Part::Low : Part::High;
-        part[(D + 2) % 3] = side < 4 ? Part::Low : Part::High;
-      }
-      hidden += this->IsGraph(f, part) ? 0 : 1;
-    }
-  }
-  return hidden > 1;
-}
-
 unsigned ZeroSet::Worker::FindFlat(const Box& box, const BoxSpline& f, bool& touches) const
 {
   // The negative side of a zero face draws it. A positive one has to where there is no other side,
@@ -422,7 +320,7 @@ bool ZeroSet::Worker::Search()
     }
     this->SearchRoots({ 0, 0, 0 }, last, open);
   }
-  return this->SearchBoxes(std::move(open));
+  return this->SearchBoxes(std::move(open)) && this->UncoverBulges();
 }
 
 bool ZeroSet::Worker::SearchBoxes(std::vector<Box> open)
@@ -471,33 +369,44 @@ bool ZeroSet::Worker::SearchBoxes(std::vector<Box> open)
   return true;
 }
 
-bool ZeroSet::Worker::Refine()
+std::vector<ZeroSet::Worker::Box> ZeroSet::Worker::TakeApart(const std::vector<char>& isTaken)
 {
   std::size_t kept = 0;
   std::vector<Box> halved;
   this->Pieces.resize(this->Leaves.size());
   for (std::size_t i = 0; i < this->Leaves.size(); ++i)
   {
-    const Leaf leaf = this->Leaves[i];
-    Facets& piece = this->Pieces[i];
-    if (leaf.At.Size == 1 || piece.IsWithinTolerance ||
-      this->Width(leaf.At) <= this->Options.Tolerance)
+    if (isTaken[i] != 0)
     {
-      this->Leaves[kept] = leaf;
-      if (kept != i)
-      {
-        this->Pieces[kept] = std::move(piece);
-        this->CornersOf[kept] = this->CornersOf[i];
-      }
-      ++kept;
+      this->Halve(this->Leaves[i].At, halved);
       continue;
     }
-    this->Halve(leaf.At, halved);
+    if (kept != i)
+    {
+      this->Leaves[kept] = this->Leaves[i];
+      this->Pieces[kept] = std::move(this->Pieces[i]);
+      this->CornersOf[kept] = this->CornersOf[i];
+    }
+    ++kept;
   }
   this->Leaves.resize(kept);
   this->Pieces.resize(kept);
   this->CornersOf.resize(kept);
-  return !halved.empty() && this->SearchBoxes(std::move(halved));
+  return halved;
+}
+
+bool ZeroSet::Worker::Refine()
+{
+  this->Pieces.resize(this->Leaves.size());
+  std::vector<char> isTaken(this->Leaves.size());
+  for (std::size_t i = 0; i < this->Leaves.size(); ++i)
+  {
+    const Box& box = this->Leaves[i].At;
+    isTaken[i] = box.Size > 1 && !this->Pieces[i].IsWithinTolerance &&
+      this->Width(box) > this->Options.Tolerance;
+  }
+  std::vector<Box> halved = this->TakeApart(isTaken);
+  return !halved.empty() && this->SearchBoxes(std::move(halved)) && this->UncoverBulges();
 }
 
 }

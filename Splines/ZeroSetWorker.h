@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -20,10 +21,10 @@
 #include <vector>
 
 /// The inside of ZeroSet, private to the files that hold it, in the order of the work:
-/// ZeroSetSearch.cxx finds the boxes that hold the surface, ZeroSetNodes.cxx their corners,
-/// ZeroSetFaces.cxx where the surface crosses their faces and edges, ZeroSetVertices.cxx its points
-/// on edges, ZeroSetSnap.cxx joins those near a node, ZeroSetCurves.cxx its curves in faces,
-/// ZeroSetLoops.cxx joins these around each box,
+/// ZeroSetSearch.cxx finds the boxes that hold the surface, with what ZeroSetProof.cxx proves of
+/// them, ZeroSetNodes.cxx their corners, ZeroSetFaces.cxx where the surface crosses their faces and
+/// edges, ZeroSetVertices.cxx its points on edges, ZeroSetSnap.cxx joins those near a node,
+/// ZeroSetCurves.cxx finds its curves in faces, ZeroSetLoops.cxx joins these around each box,
 /// ZeroSetFacets.cxx meshes it inside, ZeroSetSheets.cxx parts sheets that meet in an edge,
 /// ZeroSetMesh.cxx joins the pieces. ZeroSetProbe.cxx finds its curvature, ZeroSetMeasure.cxx
 /// errors. ZeroSetGroup.cxx does so with several at once, and lets them agree in between.
@@ -214,16 +215,43 @@ private:
     bool Rises = true;      ///< f grows in it
     double Steepness = 0.0; ///< least slope in it by the greatest in any direction
   };
-  [[nodiscard]] Height FindHeight(const Box& box, const BoxSpline& f) const;
-  /// Whether the zero set of f, a graph, could be a tube that signs at the corners do not show.
-  [[nodiscard]] bool CanHideNeck(const BoxSpline& f) const;
   /// Leaf::Flat, and in `touches` whether a zero face is on no side the end of negative f.
   [[nodiscard]] unsigned FindFlat(const Box& box, const BoxSpline& f, bool& touches) const;
-  [[nodiscard]] bool IsGraph(const BoxSpline& f, const std::array<Part, 3>& part) const;
   void VisitSampled(const Box& box, Visited& visited) const;
   [[nodiscard]] ParameterBox Parameters(const Box& box) const;
   [[nodiscard]] double Width(const Box& box) const;
   [[nodiscard]] bool IsTooLarge(const Box& box, const Height& height) const;
+  /// Takes leaves away.
+  /// \returns their halves
+  std::vector<Box> TakeApart(const std::vector<char>& isTaken);
+
+  // Proof: ZeroSetProof.cxx
+  [[nodiscard]] Part PartAt(std::size_t direction, bool high) const
+  {
+    return high != this->Lines[direction].IsMirrored() ? Part::High : Part::Low;
+  }
+  /// Calls visit(side) for the faces of a part of a box and for the edges of these.
+  template <typename Visitor>
+  void ForSides(const std::array<Part, 3>& part, Visitor&& visit) const;
+  [[nodiscard]] bool IsGraph(const BoxSpline& f, const std::array<Part, 3>& part) const;
+  /// Of f on a part of a box; none in directions in which it has no extent.
+  [[nodiscard]] std::array<Range, 3> SlopesOf(
+    const BoxSpline& f, const std::array<Part, 3>& part) const;
+  /// Whether the zero set of f on a part, a graph, could be a tube that signs at the corners do not
+  /// show.
+  [[nodiscard]] bool CanHideNeck(
+    const BoxSpline& f, const std::array<Part, 3>& part, const std::array<Range, 3>& slopes) const;
+  [[nodiscard]] Height FindHeight(const Box& box, const BoxSpline& f) const;
+  /// Of the parts of a box, those through which the zero set may pass and signs at the ends of
+  /// edges do not show it.
+  using UnseenSides = std::bitset<27>;
+  [[nodiscard]] UnseenSides FindUnseen(const Box& box, BoxSpline& f) const;
+  /// The leaves that touch a box.
+  void FindBeside(const Box& box, const Numbering& leaves, std::vector<std::size_t>& beside) const;
+  /// Halves certified leaves into which the zero set may bulge, unseen, from undecided ones, until
+  /// they are no wider than the tolerance: then they are undecided, too.
+  bool UncoverBulges();
+  std::vector<Box> TakeBulges();
 
   // Nodes: ZeroSetNodes.cxx
   void CollectNodes();
