@@ -185,7 +185,8 @@ void ControlBounds::Find(const ParameterBox& box, double* low, double* high) con
   {
     widest = std::max(widest, last[d] - first[d] + 1);
   }
-  if (widest <= 2)
+  // Numbers in a row are gone through faster than blocks are found.
+  if (widest <= (m == 1 ? 8 : 2))
   {
     this->Window(first, last, low, high);
     return;

@@ -33,6 +33,39 @@ double ValueOrZero(const Quadric& q, const double* x, double operations)
   return std::abs(value) <= UnitRoundoff * operations * terms ? 0.0 : value;
 }
 
+/// Value() of a linear quadric of so many components, with Terms().
+template <int Components>
+class LinearValue
+{
+public:
+  explicit LinearValue(const Quadric& q)
+    : C(q.c)
+    , B(q.b)
+    , Origin(Vector::Zero())
+  {
+    if (q.Origin.size() > 0)
+    {
+      this->Origin = q.Origin;
+    }
+  }
+  double operator()(const double* x, double& terms) const
+  {
+    double sum = this->C;
+    terms = std::abs(sum);
+    for (int i = 0; i < Components; ++i)
+    {
+      sum += this->B[i] * (x[i] - this->Origin[i]);
+      terms += std::abs(this->B[i]) * (std::abs(x[i]) + std::abs(this->Origin[i]));
+    }
+    return sum;
+  }
+
+private:
+  using Vector = Eigen::Matrix<double, Components, 1>;
+  double C;
+  Vector B, Origin;
+};
+
 bool IsInOneElement(const Spline& spline, const ParameterBox& box)
 {
   const std::array<int, 3> spans = SpansAround(spline, box);
@@ -394,23 +427,12 @@ bool QuadricField::Restrict(const ParameterBox& box, BoxSpline& f) const
     f.AddNoise(UnitRoundoff * (Operations(spline) + 4 * (m + 2)) * terms * largestWeight);
     return true;
   };
-  if (this->Q.IsLinear() && m == 1)
-  {
-    // Value(), without its loops.
-    const double c = this->Q.c;
-    const double b = this->Q.b[0];
-    const double origin = this->Q.Origin.size() > 0 ? this->Q.Origin[0] : 0.0;
-    return restrictTimesWeight(
-      [c, b, origin](const double* x, double& own)
-      {
-        own = std::abs(c) + std::abs(b) * (std::abs(*x) + std::abs(origin));
-        return c + b * (*x - origin);
-      });
-  }
   if (this->Q.IsLinear())
   {
-    return restrictTimesWeight(
-      [this](const double* x, double& own) { return this->Q.Value(x, own); });
+    return m == 1 ? restrictTimesWeight(LinearValue<1>(this->Q))
+      : m == 3
+      ? restrictTimesWeight(LinearValue<3>(this->Q))
+      : restrictTimesWeight([this](const double* x, double& own) { return this->Q.Value(x, own); });
   }
 
   // q is the linear function that touches it in the middle of the box's bounds, and a rest.
