@@ -24,9 +24,11 @@ constexpr double NotKnown = std::numeric_limits<double>::quiet_NaN();
 
 }
 
-ClipWorker::ClipWorker(const ClipGroup::Member& member, std::shared_ptr<BendBounds> bends)
+ClipWorker::ClipWorker(const ClipGroup::Member& member, std::shared_ptr<BendBounds> bends,
+  const CollapsedSides& collapsed)
   : M(member)
   , B(std::move(bends))
+  , Collapsed(collapsed)
 {
   const Aggregate& body = this->M.On->Body;
   const ClipOptions& options = this->M.Options;
@@ -75,50 +77,6 @@ ClipWorker::ClipWorker(const ClipGroup::Member& member, std::shared_ptr<BendBoun
   this->DomainWidth = (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
   this->Values.resize(this->M.Fields.size());
   this->Attributes.resize(body.Attributes().size());
-}
-
-bool ClipWorker::IsDecided(unsigned state) const
-{
-  bool isDecided = true;
-  for (std::size_t k = 0; k < this->M.Fields.size(); ++k)
-  {
-    isDecided = isDecided && SideOf(state, k) != Side::Unknown;
-  }
-  return isDecided;
-}
-
-bool ClipWorker::IsDropped(unsigned state) const
-{
-  bool isInside = true;
-  bool isOutside = false;
-  for (std::size_t k = 0; k < this->M.Fields.size(); ++k)
-  {
-    isInside = isInside && SideOf(state, k) == Side::Inside;
-    isOutside = isOutside || SideOf(state, k) == Side::Outside;
-  }
-  return this->M.Options.KeepInside ? isOutside : isInside;
-}
-
-bool ClipWorker::IsDroppedByCorners(const Cell& cell) const
-{
-  unsigned state = cell.State;
-  for (std::size_t k = 0; k < this->M.Fields.size(); ++k)
-  {
-    if (SideOf(state, k) != Side::Unknown)
-    {
-      continue;
-    }
-    bool in = true;
-    bool out = true;
-    for (int c = 0; c <= this->Simplices->Dimension(); ++c)
-    {
-      const double value = this->Values[k][Corner(cell, c)];
-      in = in && value <= 0.0;
-      out = out && value > 0.0;
-    }
-    Set(state, k, in ? Side::Inside : out ? Side::Outside : Side::Unknown, Verdict::Open);
-  }
-  return this->IsDropped(state);
 }
 
 bool ClipWorker::AddElements(
@@ -187,7 +145,13 @@ bool ClipWorker::Begin()
   this->B->Find(this->Roots, this->Tolerances, this->M.Options.For);
   const auto degrees = this->M.On->Body.Geometry().Degrees();
   this->Simplices.emplace(this->Lines,
-    std::array<bool, 3>{ degrees[0] > 0, degrees[1] > 0, degrees[2] > 0 }, this->Roots);
+    std::array<bool, 3>{ degrees[0] > 0, degrees[1] > 0, degrees[2] > 0 }, this->Roots,
+    this->Collapsed);
+  for (int node = 0; node < this->Simplices->NumberOfNodes(); ++node)
+  {
+    const unsigned free = this->Simplices->Free(node);
+    this->Ranks.push_back(static_cast<int>((free & 1) + (free >> 1 & 1) + (free >> 2)));
+  }
   return this->Evaluate();
 }
 
@@ -199,6 +163,7 @@ bool ClipWorker::Evaluate()
   this->IsMarked.resize(count, 0);
   this->IsWanted.resize(count, 0);
   this->IsShared.resize(count, 0);
+  this->Jumps.resize(count, 0.0);
   // Behind those of nodes on interfaces.
   for (std::size_t node = first; node < count; ++node)
   {
@@ -238,61 +203,61 @@ bool ClipWorker::Evaluate()
           attributes[a]->Evaluator().Evaluate(n, u, &this->Attributes[a][components * b]);
         }
       }
+      for (std::size_t node = b; node < b + n; ++node)
+      {
+        this->FindJump(node);
+      }
     });
   return this->EvaluateValues();
 }
 
-void ClipWorker::WantValues(const Cell& cell)
+std::vector<Eigen::Vector3d> ClipWorker::ParametersOf(int node) const
 {
-  if (this->IsDecided(cell.State))
+  std::vector<Eigen::Vector3d> all{ this->Simplices->Parameter(node) };
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    for (std::size_t i = 0, n = all.size(); i < n && this->Simplices->Free(node) >> d & 1; ++i)
+    {
+      for (const double place : { 0.21, 0.5, 0.79, 1.0 })
+      {
+        Eigen::Vector3d u = all[i];
+        const double last = this->Lines[d].back();
+        u[static_cast<Eigen::Index>(d)] =
+          place == 1.0 ? last : this->Lines[d].front() + place * (last - this->Lines[d].front());
+        all.push_back(u);
+      }
+    }
+  }
+  return all;
+}
+
+void ClipWorker::FindJump(std::size_t node)
+{
+  if (this->Simplices->Free(static_cast<int>(node)) == 0)
   {
     return;
   }
-  const auto want = [this](int node)
+  const std::vector<Eigen::Vector3d> u = this->ParametersOf(static_cast<int>(node));
+  for (std::size_t a = 0; a < this->M.Options.AttributeTolerances.size(); ++a)
   {
-    const auto n = static_cast<std::size_t>(node);
-    this->IsWanted.resize(std::max(this->IsWanted.size(), n + 1), 0);
-    if (node >= 0 && !this->IsWanted[n])
-    {
-      this->IsWanted[n] = 1;
-      this->Wanted.push_back(node);
-    }
-  };
-  for (int c = 0; c <= this->Simplices->Dimension(); ++c)
-  {
-    want(cell.Corners[static_cast<std::size_t>(c)]);
-  }
-  for (int e = 0;
-       cell.Middles[0] >= 0 && e < SimplexRefinement::NumberOfEdges(this->Simplices->Dimension());
-       ++e)
-  {
-    want(cell.Middles[static_cast<std::size_t>(e)]);
+    const Evaluator& evaluator = this->M.Body->Attributes()[a]->Evaluator();
+    const double tolerance = this->M.Options.AttributeTolerances[a];
+    Eigen::MatrixXd values(
+      this->M.Body->Attributes()[a]->Spline().Components(), static_cast<Eigen::Index>(u.size()));
+    evaluator.Evaluate(u.size(), u.front().data(), values.data());
+    const double jump = (values.colwise() - values.col(0)).cwiseAbs().maxCoeff();
+    this->Jumps[node] = tolerance > 0.0 ? std::max(this->Jumps[node], jump / tolerance) : 0.0;
   }
 }
 
-bool ClipWorker::EvaluateValues()
+double ClipWorker::Jump(const Cell& cell) const
 {
-  this->M.Options.For(static_cast<std::ptrdiff_t>(this->Wanted.size()), Grain,
-    [&](std::ptrdiff_t begin, std::ptrdiff_t end)
-    {
-      std::vector<Eigen::Vector3d> u;
-      for (std::ptrdiff_t i = begin; i < end; ++i)
-      {
-        u.push_back(this->Simplices->Parameter(this->Wanted[static_cast<std::size_t>(i)]));
-      }
-      std::vector<double> values(u.size());
-      for (std::size_t k = 0; k < this->M.Fields.size(); ++k)
-      {
-        this->M.Fields[k]->Evaluate(u.size(), u.front().data(), values.data());
-        for (std::size_t i = 0; i < u.size(); ++i)
-        {
-          const int node = this->Wanted[static_cast<std::size_t>(begin) + i];
-          this->Values[k][static_cast<std::size_t>(node)] = values[i];
-        }
-      }
-    });
-  this->Wanted.clear();
-  return !this->M.Options.Abort();
+  double largest = 0.0;
+  for (int c = 0; c <= this->Simplices->Dimension(); ++c)
+  {
+    largest = std::max(largest, this->Jumps[Corner(cell, c)]);
+  }
+  return largest;
 }
 
 SimplexRefinement::Before ClipWorker::Order() const
@@ -320,8 +285,9 @@ double ClipWorker::LengthAround(int middle) const
 
 bool ClipWorker::Triangulate()
 {
-  if (!this->Simplices->Triangulate(
-        this->Roots, this->RootStates, this->Order(), this->M.Options.Abort))
+  const auto isBefore = [this, order = this->Order()](int a, int b)
+  { return this->Rank(a) != this->Rank(b) ? this->Rank(a) < this->Rank(b) : order(a, b); };
+  if (!this->Simplices->Triangulate(this->Roots, this->RootStates, isBefore, this->M.Options.Abort))
   {
     return false;
   }
@@ -348,82 +314,6 @@ bool ClipWorker::MarkNode(int node)
   this->IsMarked[n] = 1;
   this->MarkedNodes.push_back(node);
   return true;
-}
-
-void ClipWorker::Decide(Cell& cell, std::size_t field, std::optional<Decision>& last) const
-{
-  const int dimension = this->Simplices->Dimension();
-  const std::vector<double>& values = this->Values[field];
-  double low = values[Corner(cell, 0)];
-  double high = low;
-  const auto extend = [&](std::size_t node)
-  {
-    low = std::min(low, values[node]);
-    high = std::max(high, values[node]);
-  };
-  ParameterBox box{};
-  for (int c = 0; c <= dimension; ++c)
-  {
-    extend(Corner(cell, c));
-    const Eigen::Vector3d& u =
-      this->Simplices->Parameter(cell.Corners[static_cast<std::size_t>(c)]);
-    for (std::size_t d = 0; d < 3; ++d)
-    {
-      const double at = u[static_cast<Eigen::Index>(d)];
-      box.Low[d] = c == 0 ? at : std::min(box.Low[d], at);
-      box.High[d] = c == 0 ? at : std::max(box.High[d], at);
-    }
-  }
-  const ScalarField& own = *this->M.Fields[field];
-  if (!own.HasBounds())
-  {
-    for (int e = 0; e < SimplexRefinement::NumberOfEdges(dimension); ++e)
-    {
-      extend(Middle(cell, e));
-    }
-    const bool isNarrow = this->Width(cell) <= this->DomainWidth / SampledDivisions;
-    Set(cell.State, field,
-      isNarrow && (low > 0.0 || high < 0.0) ? (low > 0.0 ? Side::Outside : Side::Inside)
-                                            : Side::Unknown,
-      Verdict::Open);
-    return;
-  }
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    if (this->M.On->Body.Geometry().Knots()[d].Degree() == 0)
-    {
-      box.Low[d] = this->Lines[d].front();
-      box.High[d] = this->Lines[d].back();
-    }
-  }
-  // What is one sheet in a box is one in its parts.
-  const bool isSheet = VerdictOf(cell.State, field) == Verdict::Sheet;
-  if (!last)
-  {
-    last.emplace();
-  }
-  if (isSheet || last->Box.Low != box.Low || last->Box.High != box.High)
-  {
-    constexpr std::array<Part, 3> Everywhere{ Part::Whole, Part::Whole, Part::Whole };
-    BoxSpline& f = last->Scratch;
-    last->Box = isSheet ? ParameterBox{} : box;
-    last->IsZero = !own.Excludes(box);
-    last->Found = isSheet ? Verdict::Sheet : Verdict::Open;
-    if (last->IsZero && !isSheet && own.Restrict(box, f))
-    {
-      last->IsZero = f.Values(Everywhere).Contains(0.0);
-      last->Found = f.Vanishes(Everywhere) || f.IsLostInNoise() ? Verdict::Lost : Verdict::Open;
-      for (int d = 0; d < 3 && last->Found == Verdict::Open; ++d)
-      {
-        last->Found = f.Derivative(d, Everywhere).Contains(0.0) ? last->Found : Verdict::Sheet;
-      }
-    }
-  }
-  Set(cell.State, field,
-    last->IsZero   ? Side::Unknown
-      : high > 0.0 ? Side::Outside
-                   : Side::Inside,
-    last->Found);
 }
 
 bool ClipWorker::DropCells()
@@ -487,6 +377,58 @@ unsigned char ClipWorker::LongestEdge(const Cell& cell) const
   return static_cast<unsigned char>(1 << longest);
 }
 
+unsigned char ClipWorker::MostBentEdge(const Cell& cell) const
+{
+  const auto& geometry = *this->M.Body->Geometry();
+  const int edges = SimplexRefinement::NumberOfEdges(this->Simplices->Dimension());
+  Eigen::Matrix<double, 3, 6> u;
+  for (int e = 0; e < edges; ++e)
+  {
+    u.col(e) = hyperpatch::Middle(this->Simplices->At(static_cast<int>(End(cell, e, 0))),
+      this->Simplices->At(static_cast<int>(End(cell, e, 1))))
+                 .Values;
+  }
+  Eigen::Matrix3Xd x(3, edges);
+  geometry.Evaluator().Evaluate(static_cast<std::size_t>(edges), u.data(), x.data());
+  unsigned char most = this->LongestEdge(cell);
+  double largest = 0.0;
+  for (int e = 0; e < edges; ++e)
+  {
+    const double bend =
+      (x.col(e) - 0.5 * (this->Points[End(cell, e, 0)] + this->Points[End(cell, e, 1)])).norm();
+    if (bend > largest)
+    {
+      most = static_cast<unsigned char>(1 << e);
+      largest = bend;
+    }
+  }
+  return most;
+}
+
+unsigned char ClipWorker::WideEdges(const Cell& cell) const
+{
+  constexpr double Widest = 0.88; // the cosine of about 30 degrees
+  const auto isFree = [&](std::size_t node)
+  { return this->Simplices->Free(static_cast<int>(node)) != 0; };
+  unsigned char wide = 0;
+  for (int c = 0; c <= this->Simplices->Dimension(); ++c)
+  {
+    const std::size_t pole = Corner(cell, c);
+    for (int e = 0;
+         isFree(pole) && e < SimplexRefinement::NumberOfEdges(this->Simplices->Dimension()); ++e)
+    {
+      const std::size_t a = End(cell, e, 0);
+      const std::size_t b = End(cell, e, 1);
+      const Eigen::Vector3d toA = this->Points[a] - this->Points[pole];
+      const Eigen::Vector3d toB = this->Points[b] - this->Points[pole];
+      const bool isWide = a != pole && b != pole && !(isFree(a) && isFree(b)) &&
+        toA.dot(toB) < Widest * toA.norm() * toB.norm();
+      wide |= static_cast<unsigned char>(isWide ? 1 << e : 0);
+    }
+  }
+  return wide;
+}
+
 bool ClipWorker::IsTurnedOver(const Cell& cell) const
 {
   return this->Simplices->Dimension() == 3 &&
@@ -498,17 +440,20 @@ bool ClipWorker::IsTurnedOver(const Cell& cell) const
 
 bool ClipWorker::IsRegular(const Cell& cell) const
 {
-  if (this->Width(cell) <= this->M.Options.Tolerance)
+  constexpr double Narrowest = 0.1;
+  if (this->Width(cell) <= Narrowest * this->M.Options.Tolerance)
   {
     return false;
   }
+  const auto corners = this->Simplices->Parameters(cell);
   Eigen::Matrix<double, 3, 5> u;
-  u.col(4).setZero();
   for (int c = 0; c < 4; ++c)
   {
-    u.col(c) = this->Simplices->Parameter(cell.Corners[static_cast<std::size_t>(c)]);
-    u.col(4) += 0.25 * u.col(c);
+    u.col(c) = corners[static_cast<std::size_t>(c)].Values;
   }
+  constexpr std::array<double, 4> Quarter{ 0.25, 0.25, 0.25, 0.25 };
+  const FreeParameters centre = Between(corners.data(), Quarter.data(), 4);
+  u.col(4) = centre.Values;
   Eigen::Matrix<double, 3, 5> x;
   Eigen::Matrix<double, 3, 15> derivatives;
   this->M.Body->Geometry()->Evaluator().EvaluateWithDerivatives(
@@ -517,8 +462,15 @@ bool ClipWorker::IsRegular(const Cell& cell) const
   double greatest = -INFINITY;
   for (int i = 0; i < 5; ++i)
   {
+    // In homogeneous coordinates: det J itself goes to 0 towards a pole.
+    const double weight =
+      (i < 4 ? corners[static_cast<std::size_t>(i)].Weights : centre.Weights).prod();
     const double jacobian =
-      this->M.Options.Handedness * derivatives.middleCols<3>(3 * i).determinant();
+      this->M.Options.Handedness * derivatives.middleCols<3>(3 * i).determinant() / weight;
+    if (weight == 0.0)
+    {
+      continue;
+    }
     least = std::min(least, jacobian);
     greatest = std::max(greatest, jacobian);
   }
@@ -550,6 +502,10 @@ unsigned char ClipWorker::Plan(const Cell& cell) const
   {
     return 0;
   }
+  if (const unsigned char wide = this->IsDecided(cell.State) ? 0 : this->WideEdges(cell))
+  {
+    return wide;
+  }
   bool isMeasured = false;
   const double width = this->IsDecided(cell.State) ? 0.0 : this->Width(cell);
   for (std::size_t k = 0; k < this->M.Fields.size() && width > this->M.Options.Tolerance; ++k)
@@ -571,7 +527,7 @@ unsigned char ClipWorker::Plan(const Cell& cell) const
   {
     if (this->IsTurnedOver(cell))
     {
-      return this->LongestEdge(cell);
+      return this->MostBentEdge(cell);
     }
     const Bound bound = this->BoundError(cell);
     if (bound.IsCoarse)
@@ -609,7 +565,15 @@ unsigned char ClipWorker::EdgesToHalve(const Cell& cell) const
   if (!this->IsDroppedByCorners(cell) && !this->BoundError(cell).IsCertain)
   {
     add(this->PositionError(cell));
-    add(this->AttributeError(cell));
+    if (this->Jump(cell) <= Target)
+    {
+      add(this->AttributeError(cell));
+    }
+    else
+    {
+      // No smaller cell has less of it.
+      bits |= isWide ? this->LongestEdge(cell) : 0;
+    }
   }
   return bits;
 }

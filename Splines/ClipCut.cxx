@@ -57,7 +57,13 @@ bool ClipWorker::BeginCut()
           const std::vector<double>& creases = this->Creases[static_cast<std::size_t>(d)];
           fixed |= std::binary_search(creases.begin(), creases.end(), u[d]) ? 1u << d : 0;
         }
-        point = this->P->AddPoint(u, this->Points[node], 0, fixed);
+        unsigned on = 0;
+        for (std::size_t k = 0; k < this->M.Fields.size(); ++k)
+        {
+          on |= this->HasBothSigns(k, static_cast<int>(node)) ? 1u << k : 0;
+        }
+        point = this->P->AddPoint(
+          this->Simplices->At(static_cast<int>(node)), this->Points[node], on, fixed);
       }
       piece.Corners[static_cast<std::size_t>(c)] = point;
     }
@@ -75,7 +81,6 @@ std::vector<double> ClipWorker::PieceErrors() const
   const int dimension = this->Simplices->Dimension();
   const auto& pieces = this->P->Cells();
   const auto& x = this->P->Points();
-  const auto& u = this->P->Parameters();
   Numbering numbers;
   std::vector<std::array<std::size_t, 2>> edges;
   std::vector<std::size_t> edgesOf;
@@ -109,7 +114,10 @@ std::vector<double> ClipWorker::PieceErrors() const
       std::vector<Eigen::Vector3d> middles;
       for (std::size_t i = first; i < first + count; ++i)
       {
-        middles.emplace_back(0.5 * (u[edges[i][0]] + u[edges[i][1]]));
+        middles.push_back(
+          hyperpatch::Middle(this->P->At(static_cast<SimplexCut::Index>(edges[i][0])),
+            this->P->At(static_cast<SimplexCut::Index>(edges[i][1])))
+            .Values);
       }
       std::vector<double> exact(m * count);
       this->M.Body->Geometry()->Evaluator().Evaluate(count, middles.front().data(), exact.data());
@@ -165,7 +173,8 @@ bool ClipWorker::MarkBadCuts()
   {
     if (isTurned[i] || (isWrong[i] && this->Width(cells[i]) > this->M.Options.Tolerance))
     {
-      this->MarkEdges(cells[i], this->LongestEdge(cells[i]));
+      this->MarkEdges(
+        cells[i], isTurned[i] ? this->MostBentEdge(cells[i]) : this->LongestEdge(cells[i]));
     }
   }
   return !this->M.Options.Abort();
@@ -192,6 +201,8 @@ void ClipWorker::Certify(ZeroSetCertificate& certificate) const
             (VerdictOf(cell.State, k) == Verdict::Sheet ? isCertified : isUndecided) = true;
           }
         }
+        const bool hasJump = !this->IsDroppedByCorners(cell) && this->Jump(cell) > 1.0;
+        isUndecided = isUndecided || hasJump;
         own.UndecidedCells += isUndecided ? 1 : 0;
         own.CertifiedCells += isCertified && !isUndecided ? 1 : 0;
         if (this->IsDroppedByCorners(cell))
@@ -203,7 +214,9 @@ void ClipWorker::Certify(ZeroSetCertificate& certificate) const
         own.LargestError = std::max(own.LargestError,
           tolerance * (isMeasured ? this->PositionError(cell).Largest : bound.Position));
         own.LargestAttributeError = std::max(own.LargestAttributeError,
-          isMeasured ? this->AttributeError(cell).Largest : bound.Attribute);
+          hasJump        ? 0.0
+            : isMeasured ? this->AttributeError(cell).Largest
+                         : bound.Attribute);
       }
       const std::lock_guard<std::mutex> lock(mutex);
       certificate.Add(own);
@@ -401,10 +414,18 @@ std::vector<ClipWorker::Facet> ClipWorker::CutFacets() const
       Eigen::VectorXd exact(m);
       for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f)
       {
-        Eigen::AlignedBox3d box;
+        std::array<FreeParameters, 3> places;
         for (int i = 0; i < dimension; ++i)
         {
-          box.extend(this->P->Parameters()[point(f, i)]);
+          places[static_cast<std::size_t>(i)] =
+            this->P->At(static_cast<SimplexCut::Index>(point(f, i)));
+        }
+        std::array<FreeParameters, 3> filled = places;
+        FillFree(filled.data(), dimension);
+        Eigen::AlignedBox3d box;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(dimension); ++i)
+        {
+          box.extend(filled[i].Values);
         }
         bool isInSide = false;
         for (std::size_t d = 0; d < 3; ++d)
@@ -422,14 +443,15 @@ std::vector<ClipWorker::Facet> ClipWorker::CutFacets() const
         // In the middle, and in those of the edges.
         for (int left = -1; left < (dimension == 3 ? 3 : 0); ++left)
         {
-          Eigen::Vector3d u = Eigen::Vector3d::Zero();
           Eigen::Vector3d x = Eigen::Vector3d::Zero();
           const double share = 1.0 / (left < 0 ? dimension : dimension - 1);
+          std::array<double, 3> shares{};
           for (int i = 0; i < dimension; ++i)
           {
-            u += i == left ? 0.0 * u : share * this->P->Parameters()[point(f, i)];
+            shares[static_cast<std::size_t>(i)] = i == left ? 0.0 : share;
             x += i == left ? 0.0 * x : share * this->P->Points()[point(f, i)];
           }
+          const Eigen::Vector3d u = Between(places.data(), shares.data(), dimension).Values;
           double value = 0.0;
           Eigen::Vector3d gradient;
           this->M.Fields[corners[f].Field]->EvaluateWithGradient(

@@ -62,31 +62,36 @@ ClipWorker::Bound ClipWorker::BoundError(const Cell& cell) const
   const int dimension = this->Simplices->Dimension();
   const int edges = SimplexRefinement::NumberOfEdges(dimension);
   // In the parameters of the element.
-  std::array<std::array<double, 3>, 4> corners{};
+  const auto corners = this->Simplices->Parameters(cell);
+  std::array<double, 3> scales{};
   std::array<double, 3> widths{};
   for (std::size_t d = 0; d < 3; ++d)
   {
-    const double scale = axes[d].Breaks[static_cast<std::size_t>(element[d]) + 1] -
+    scales[d] = axes[d].Breaks[static_cast<std::size_t>(element[d]) + 1] -
       axes[d].Breaks[static_cast<std::size_t>(element[d])];
     double low = INFINITY;
     double high = -INFINITY;
-    for (int c = 0; c <= dimension; ++c)
+    for (std::size_t c = 0; c <= static_cast<std::size_t>(dimension); ++c)
     {
-      double& at = corners[static_cast<std::size_t>(c)][d];
-      at = this->Simplices->Parameter(
-             cell.Corners[static_cast<std::size_t>(c)])[static_cast<Eigen::Index>(d)] /
-        scale;
-      low = std::min(low, at);
-      high = std::max(high, at);
+      low = std::min(low, corners[c].Values[static_cast<Eigen::Index>(d)] / scales[d]);
+      high = std::max(high, corners[c].Values[static_cast<Eigen::Index>(d)] / scales[d]);
     }
     widths[d] = high - low;
   }
+  // Towards a collapsed side the bend along it goes to 0; that of the element is the largest.
+  Eigen::Vector3d shares = Eigen::Vector3d::Zero();
+  for (std::size_t c = 0; c <= static_cast<std::size_t>(dimension); ++c)
+  {
+    shares = shares.cwiseMax(corners[c].Weights);
+  }
+  const double jump = this->Jump(cell);
   Bound all;
   const BendBounds::Bend* bends = this->B->Of(cell.Root);
   for (std::size_t k = 0; k < this->Tolerances.size(); ++k)
   {
     const BendBounds::Bend& bend = bends[k];
-    const double error = BendBounds::LinearError(bend, widths) / this->Tolerances[k];
+    const double error =
+      BendBounds::LinearError(bend, widths) / this->Tolerances[k] + (k == 0 ? 0.0 : jump);
     double& largest = k == 0 ? all.Position : all.Attribute;
     largest = std::max(largest, error);
     if (error <= 1.0)
@@ -95,7 +100,8 @@ ClipWorker::Bound ClipWorker::BoundError(const Cell& cell) const
     }
     all.IsCertain = false;
     // What an edge that runs along no direction adds is left to measurement.
-    const BendBounds::Bend pure{ bend[0], 0.0, 0.0, bend[3], 0.0, bend[5] };
+    const BendBounds::Bend pure{ shares[0] * bend[0], 0.0, 0.0, shares[1] * bend[3], 0.0,
+      shares[2] * bend[5] };
     if (BendBounds::LinearError(pure, widths) <= this->Tolerances[k])
     {
       continue;
@@ -103,11 +109,14 @@ ClipWorker::Bound ClipWorker::BoundError(const Cell& cell) const
     all.IsCoarse = true;
     for (int e = 0; e < edges; ++e)
     {
-      const auto& a = corners[static_cast<std::size_t>(SimplexRefinement::Edges[e][0])];
-      const auto& b = corners[static_cast<std::size_t>(SimplexRefinement::Edges[e][1])];
+      std::array<FreeParameters, 2> ends{ this->Simplices->At(static_cast<int>(End(cell, e, 0))),
+        this->Simplices->At(static_cast<int>(End(cell, e, 1))) };
+      FillFree(ends.data(), 2);
+      const Eigen::Vector3d along = ends[1].Values - ends[0].Values;
       double& own = all.Edges[static_cast<std::size_t>(e)];
       own = std::max(own,
-        BendBounds::LinearError(pure, { a[0] - b[0], a[1] - b[1], a[2] - b[2] }) /
+        BendBounds::LinearError(
+          pure, { along[0] / scales[0], along[1] / scales[1], along[2] / scales[2] }) /
           this->Tolerances[k]);
     }
   }
@@ -136,6 +145,7 @@ ClipWorker::Error ClipWorker::AttributeError(const Cell& cell) const
 {
   const int dimension = this->Simplices->Dimension();
   Error error;
+  error.Largest = this->Jump(cell);
   for (std::size_t a = 0; a < this->M.Options.AttributeTolerances.size(); ++a)
   {
     const double tolerance = this->M.Options.AttributeTolerances[a];

@@ -163,6 +163,7 @@ private:
   void LinkGridNodes();
   void LinkMiddles();
   void TakePoints();
+  void ShareRanks();
   /// Edges that one side halves are halved on the other.
   void ShareMarks();
   bool HalveMarked();
@@ -172,6 +173,7 @@ private:
   std::vector<Member> Members;
   ParallelFor For;
   std::vector<Joint> Joints;
+  std::vector<CollapsedSides> Collapsed; ///< per member
   /// Per member, bits: sides at an interface, whether joined or not.
   std::vector<unsigned> Listed;
   Seams Nodes{ 0 };
@@ -184,6 +186,14 @@ ClipGroup::Worker::Worker(std::vector<Member> members, const std::vector<Interfa
   , For(std::move(parallelFor))
 {
   this->FindJoints(interfaces);
+  for (const Member& member : this->Members)
+  {
+    constexpr double SamePoint = 1e-9;
+    const Spline& geometry = member.On->Body.Geometry();
+    const auto points = geometry.Coefficients();
+    this->Collapsed.emplace_back(
+      geometry, SamePoint * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm());
+  }
   const auto more = this->ShareBreaks();
   this->Nodes = Seams(this->Joints.size());
   this->Bends.resize(this->Members.size());
@@ -203,7 +213,7 @@ ClipGroup::Worker::Worker(std::vector<Member> members, const std::vector<Interfa
     {
       bends = std::move(made);
     }
-    this->Workers.push_back(std::make_unique<ClipWorker>(member, bends));
+    this->Workers.push_back(std::make_unique<ClipWorker>(member, bends, this->Collapsed[m]));
   }
 }
 
@@ -342,6 +352,10 @@ std::vector<std::array<std::vector<double>, 3>> ClipGroup::Worker::ShareBreaks()
     for (std::size_t d = 0; d < 3; ++d)
     {
       breaks[m][d] = Scaled(MakeElementAxis(splines, static_cast<int>(d)).Breaks);
+      if (breaks[m][d].size() == 2 && this->Collapsed[m].NeedsMiddle(static_cast<int>(d)))
+      {
+        breaks[m][d].insert(breaks[m][d].begin() + 1, 0.5);
+      }
     }
   }
   const auto add = [](const std::vector<double>& from, bool same, std::vector<double>& to)
@@ -421,10 +435,11 @@ void ClipGroup::Worker::LinkGridNodes()
     const ClipWorker& b = *this->Workers[joint.Members[1]];
     SimplexRefinement& mesh = this->Workers[joint.Members[0]]->Mesh();
     const SimplexRefinement& other = this->Workers[joint.Members[1]]->Mesh();
-    const auto& places = mesh.GridNodes();
-    for (std::size_t node = 0; node < places.size(); ++node)
+    const auto normal = static_cast<std::size_t>(joint.Sides[0] / 2);
+    const int own = joint.Sides[0] % 2 == 0 ? 0 : a.Bends()->Axes()[normal].Cells();
+    for (const std::array<int, 3>& place : mesh.GridPlaces())
     {
-      if (!(mesh.Sides(static_cast<int>(node)) >> joint.Sides[0] & 1))
+      if (place[normal] != own)
       {
         continue;
       }
@@ -433,14 +448,14 @@ void ClipGroup::Worker::LinkGridNodes()
       {
         const std::size_t e = joint.Direction[d];
         const int last = b.Bends()->Axes()[e].Cells();
-        at[e] = d == static_cast<std::size_t>(joint.Sides[0] / 2)
-          ? (joint.Sides[1] % 2 == 0 ? 0 : last)
-          : (joint.Same[d] ? places[node][d] : a.Bends()->Axes()[d].Cells() - places[node][d]);
+        at[e] = d == normal ? (joint.Sides[1] % 2 == 0 ? 0 : last)
+          : joint.Same[d]   ? place[d]
+                            : a.Bends()->Axes()[d].Cells() - place[d];
       }
       const int partner = other.GridNode(at);
       if (partner >= 0)
       {
-        this->Nodes.Link(j, joint.Members, static_cast<int>(node), partner);
+        this->Nodes.Link(j, joint.Members, mesh.GridNode(place), partner);
       }
     }
   }
@@ -484,6 +499,19 @@ void ClipGroup::Worker::TakePoints()
       this->Workers[member]->SetPoint(
         node, this->Workers[leader]->Point(leading), static_cast<std::int64_t>(number));
     });
+}
+
+void ClipGroup::Worker::ShareRanks()
+{
+  std::map<std::size_t, int> ranks;
+  this->Nodes.ForAll(
+    [&](std::size_t member, int node, std::size_t, int, std::size_t number)
+    {
+      int& rank = ranks[number];
+      rank = std::max(rank, this->Workers[member]->Rank(node));
+    });
+  this->Nodes.ForAll([&](std::size_t member, int node, std::size_t, int, std::size_t number)
+    { this->Workers[member]->SetRank(node, ranks[number]); });
 }
 
 void ClipGroup::Worker::ShareMarks()
@@ -619,6 +647,7 @@ bool ClipGroup::Worker::Extract()
   }
   this->LinkGridNodes();
   this->TakePoints();
+  this->ShareRanks();
   if (!this->ForAll([](ClipWorker& w) { return w.Triangulate(); }))
   {
     return false;
@@ -684,12 +713,8 @@ void ClipGroup::Worker::CountOpenFaces()
   for (std::size_t m = 0; m < this->Workers.size(); ++m)
   {
     const ClipMesh& mesh = this->Workers[m]->Result;
-    const auto& knots = this->Knots(m);
     const auto isOn = [&](std::int64_t point, int side)
-    {
-      const KnotVector& k = knots[static_cast<std::size_t>(side / 2)];
-      return mesh.Parameters(side / 2, point) == (side % 2 == 0 ? k.First() : k.Last());
-    };
+    { return this->Collapsed[m].SidesOf(mesh.Parameters.col(point)) >> side & 1; };
     for (Eigen::Index c = 0; c < mesh.Cells.cols() && this->Listed[m] != 0; ++c)
     {
       for (int side = 0; side < NumberOfSides; ++side)

@@ -24,9 +24,11 @@ namespace hyperpatch
 class ClipWorker
 {
 public:
-  ClipWorker(const ClipGroup::Member& member, std::shared_ptr<BendBounds> bends);
+  ClipWorker(const ClipGroup::Member& member, std::shared_ptr<BendBounds> bends,
+    const CollapsedSides& collapsed);
 
-  // Clip.cxx: simplices are refined.
+  // Clip.cxx: simplices are refined. ClipFields.cxx: where they lie. ClipErrors.cxx: how wrong they
+  // are.
 
   /// Finds the elements that may have to be kept, and the nodes at their corners.
   bool Begin();
@@ -61,6 +63,10 @@ public:
   /// A point on an interface is that of one of the sides; the number decides between points that
   /// coincide, and is the same on both sides.
   void SetPoint(int node, const Eigen::Vector3d& x, std::int64_t number);
+  /// Nodes of the least rank come first in the division of elements: the number of directions in
+  /// which a node is free, or one on the other side of an interface.
+  [[nodiscard]] int Rank(int node) const { return this->Ranks[static_cast<std::size_t>(node)]; }
+  void SetRank(int node, int rank) { this->Ranks[static_cast<std::size_t>(node)] = rank; }
   /// Nodes in the middle of edges to be halved.
   [[nodiscard]] const std::vector<int>& Marked() const { return this->MarkedNodes; }
   /// False if it was marked before.
@@ -102,12 +108,17 @@ private:
   }
   [[nodiscard]] bool IsDecided(unsigned state) const;
   [[nodiscard]] bool IsDropped(unsigned state) const;
+  /// Some of the parameters at which a node that is free is the same point.
+  [[nodiscard]] std::vector<Eigen::Vector3d> ParametersOf(int node) const;
   /// Also by the values at corners.
   [[nodiscard]] bool IsDroppedByCorners(const Cell& cell) const;
 
   /// The box of elements [first, last) and those in it, unless all are on the other side.
   bool AddElements(const std::array<int, 3>& first, const std::array<int, 3>& last, unsigned state);
   bool EvaluateValues();
+  /// Of a field that is not one value at a node that is free: it counts as 0 there, so that the cut
+  /// goes through the node.
+  [[nodiscard]] bool HasBothSigns(std::size_t field, int node) const;
   /// Asks for the values at nodes of cells that are not decided.
   void WantValues(const Cell& cell);
   /// The verdict in the last box: cells that have it in common come one after the other.
@@ -119,6 +130,9 @@ private:
     BoxSpline Scratch;
   };
   void Decide(Cell& cell, std::size_t field, std::optional<Decision>& last) const;
+  /// Once more in a box at collapsed sides, if f is 0 there: by what is left of f without the zeros
+  /// there.
+  void DecideBesidesPoles(const ScalarField& field, Decision& decision) const;
   bool DropCells();
 
   /// Errors of linear interpolation in a cell by their tolerances, the largest and those at the
@@ -143,11 +157,18 @@ private:
   [[nodiscard]] Bound BoundError(const Cell& cell) const;
   [[nodiscard]] Error PositionError(const Cell& cell) const;
   [[nodiscard]] Error AttributeError(const Cell& cell) const;
+  /// How much attributes differ at the corners, as they are not one value where a side is
+  /// collapsed; by their tolerances.
+  [[nodiscard]] double Jump(const Cell& cell) const;
+  void FindJump(std::size_t node);
   [[nodiscard]] Error CutError(const Cell& cell, std::size_t field) const;
+  /// Edges that are seen from a pole in another corner at so wide an angle that a cell of any size
+  /// is far from what it stands for.
+  [[nodiscard]] unsigned char WideEdges(const Cell& cell) const;
   /// Whether a cell has no positive volume though the geometry there is regular.
   [[nodiscard]] bool IsTurnedOver(const Cell& cell) const;
   /// Whether smaller cells will have positive volume: the geometry is neither turned over nor about
-  /// to degenerate at its corners and in the middle, and the cell is wider than the tolerance.
+  /// to degenerate at its corners and in the middle, and the cell is not far below the tolerance.
   [[nodiscard]] bool IsRegular(const Cell& cell) const;
   template <typename PointOfCorner>
   [[nodiscard]] static double SixVolumes(const PointOfCorner& at)
@@ -187,6 +208,8 @@ private:
   [[nodiscard]] unsigned char EdgesToHalve(const Cell& cell) const;
   [[nodiscard]] double Width(const Cell& cell) const;
   [[nodiscard]] unsigned char LongestEdge(const Cell& cell) const;
+  /// That with the largest error in its middle: what turned over a cell of three dimensions.
+  [[nodiscard]] unsigned char MostBentEdge(const Cell& cell) const;
   void MarkEdges(const Cell& cell, unsigned char edges);
   [[nodiscard]] SimplexRefinement::Before Order() const;
   [[nodiscard]] double LengthAround(int middle) const;
@@ -234,7 +257,8 @@ private:
   double DomainWidth = 0.0;
   bool IsCapped = false;
 
-  int Boxes = 0;                    ///< of elements that were looked at
+  int Boxes = 0; ///< of elements that were looked at
+  CollapsedSides Collapsed;
   std::vector<int> Roots;           ///< elements that may be kept
   std::vector<unsigned> RootStates; ///< as Cell::State
   std::optional<SimplexRefinement> Simplices;
@@ -245,6 +269,8 @@ private:
   // Per node.
   std::vector<Eigen::Vector3d> Points;
   std::vector<std::int64_t> Numbers;           ///< see SetPoint()
+  std::vector<int> Ranks;                      ///< of nodes of the grid
+  std::vector<double> Jumps;                   ///< see Jump()
   std::vector<std::vector<double>> Values;     ///< per field; NaN: not asked for
   std::vector<std::vector<double>> Attributes; ///< per attribute: components x nodes, or none
   std::vector<char> IsMarked;

@@ -48,10 +48,11 @@ SimplexCut::SimplexCut(std::shared_ptr<const PreparedAggregate> body,
 }
 
 SimplexCut::Index SimplexCut::AddPoint(
-  const Eigen::Vector3d& parameter, const Eigen::Vector3d& point, unsigned on, unsigned fixed)
+  const FreeParameters& parameter, const Eigen::Vector3d& point, unsigned on, unsigned fixed)
 {
   const auto index = static_cast<Index>(this->U.size());
-  this->U.push_back(parameter);
+  this->U.push_back(parameter.Values);
+  this->Weights.push_back(parameter.Weights);
   this->X.push_back(point);
   this->OnField.push_back(on);
   this->Fixed.push_back(fixed);
@@ -205,11 +206,11 @@ void SimplexCut::MovePoints()
     for (std::size_t e = 0; e < 2; ++e)
     {
       const auto a = static_cast<std::size_t>(ends[e]);
-      const auto b = static_cast<std::size_t>(ends[1 - e]);
       bool mayMove = this->Fixed[a] != Immovable && this->OnField[a] == 0;
-      for (int d = 0; d < 3; ++d)
+      const auto isAlong = this->DirectionsOf(ends);
+      for (std::size_t d = 0; d < 3; ++d)
       {
-        mayMove = mayMove && !(this->Fixed[a] & 1u << d && this->U[a][d] != this->U[b][d]);
+        mayMove = mayMove && !(this->Fixed[a] & 1u << d && isAlong[d]);
       }
       const double length = distance(a, to);
       if (mayMove && length < Nearest * shortest[a] &&
@@ -225,12 +226,21 @@ void SimplexCut::MovePoints()
     {
       const auto to = static_cast<std::size_t>(target[a]);
       this->U[a] = this->U[to];
+      this->Weights[a] = this->Weights[to];
       this->X[a] = this->X[to];
       this->OnField[a] |= 1u << this->Field;
       this->WasMoved[a] = 1;
       this->Values[a] = 0.0;
     }
   }
+}
+
+std::array<bool, 3> SimplexCut::DirectionsOf(const std::array<Index, 2>& edge) const
+{
+  std::array<FreeParameters, 2> ends{ this->At(edge[0]), this->At(edge[1]) };
+  FillFree(ends.data(), 2);
+  const auto isAlong = [&ends](int d) { return ends[0].Values[d] != ends[1].Values[d]; };
+  return { isAlong(0), isAlong(1), isAlong(2) };
 }
 
 void SimplexCut::Bisect(
@@ -262,6 +272,7 @@ void SimplexCut::FindRoots(
 {
   const std::size_t first = this->U.size();
   this->U.resize(first + edges.size());
+  this->Weights.resize(first + edges.size());
   this->X.resize(first + edges.size(), Eigen::Vector3d::Zero());
   this->OnField.resize(first + edges.size());
   this->Ends.insert(this->Ends.end(), edges.begin(), edges.end());
@@ -291,13 +302,12 @@ void SimplexCut::FindRoots(
         const double b = this->Value(edge[1]);
         brackets.push_back({ 0.0, 1.0, a, b, std::max(std::abs(a), std::abs(b)) });
       }
-      const auto at = [&](std::size_t k, double t) -> Eigen::Vector3d
+      const auto at = [&](std::size_t k, double t)
       {
         const auto& edge = edges[static_cast<std::size_t>(begin) + k];
-        const Eigen::Vector3d& a = this->U[static_cast<std::size_t>(edge[0])];
-        const Eigen::Vector3d& b = this->U[static_cast<std::size_t>(edge[1])];
-        // Equal coordinates stay what they are: faces of the domain, knot planes.
-        return (a.array() == b.array()).select(a, a + t * (b - a));
+        const std::array<FreeParameters, 2> ends{ this->At(edge[0]), this->At(edge[1]) };
+        const std::array<double, 2> shares{ 1.0 - t, t };
+        return hyperpatch::Between(ends.data(), shares.data(), 2);
       };
       std::vector<std::size_t> open(brackets.size());
       std::iota(open.begin(), open.end(), 0);
@@ -313,7 +323,7 @@ void SimplexCut::FindRoots(
           b.Try = step % 4 == 3 ? 0.5 * (b.Low + b.High)
                                 : b.Low + (b.High - b.Low) * (b.AtLow / (b.AtLow - b.AtHigh));
           b.Try = std::min(std::max(b.Try, b.Low), b.High);
-          tried.push_back(at(k, b.Try));
+          tried.push_back(at(k, b.Try).Values);
         }
         found.resize(tried.size());
         f.Evaluate(tried.size(), tried.front().data(), found.data());
@@ -352,16 +362,15 @@ void SimplexCut::FindRoots(
       {
         const std::size_t to = first + static_cast<std::size_t>(begin) + k;
         const auto& edge = edges[static_cast<std::size_t>(begin) + k];
-        this->U[to] = at(k, brackets[k].Try);
+        const FreeParameters u = at(k, brackets[k].Try);
+        this->U[to] = u.Values;
+        this->Weights[to] = u.Weights;
         const unsigned shared = this->OnField[static_cast<std::size_t>(edge[0])] &
           this->OnField[static_cast<std::size_t>(edge[1])];
         this->OnField[to] = shared | 1u << this->Field;
         if (shared != 0)
         {
-          const Eigen::Vector3d& a = this->U[static_cast<std::size_t>(edge[0])];
-          const Eigen::Vector3d& b = this->U[static_cast<std::size_t>(edge[1])];
-          this->Correct(
-            this->OnField[to], { a[0] != b[0], a[1] != b[1], a[2] != b[2] }, this->U[to]);
+          this->Correct(this->OnField[to], this->DirectionsOf(edge), this->U[to]);
         }
       }
       const std::size_t from = first + static_cast<std::size_t>(begin);

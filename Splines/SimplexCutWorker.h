@@ -2,6 +2,7 @@
 #ifndef hyperpatch_SimplexCutWorker_h
 #define hyperpatch_SimplexCutWorker_h
 
+#include "FreeParametersWorker.h"
 #include "NumberingWorker.h"
 #include "Parallel.h"
 #include "Prepared.h"
@@ -54,7 +55,7 @@ public:
   /// \param point physical
   /// \param on bit k: the point lies on the zero set of field k
   /// \param fixed bit d: parameter d must stay if the point is moved; Immovable: it may not be
-  Index AddPoint(const Eigen::Vector3d& parameter, const Eigen::Vector3d& point, unsigned on = 0,
+  Index AddPoint(const FreeParameters& parameter, const Eigen::Vector3d& point, unsigned on = 0,
     unsigned fixed = Immovable);
   static constexpr unsigned Immovable = 8;
   void AddCell(const Cell& cell) { this->C.push_back(cell); }
@@ -96,6 +97,11 @@ public:
 
   [[nodiscard]] const std::vector<Cell>& Cells() const { return this->C; }
   [[nodiscard]] const std::vector<Eigen::Vector3d>& Parameters() const { return this->U; }
+  [[nodiscard]] FreeParameters At(Index point) const
+  {
+    const auto p = static_cast<std::size_t>(point);
+    return { this->U[p], this->Weights[p] };
+  }
   [[nodiscard]] const std::vector<Eigen::Vector3d>& Points() const { return this->X; }
   /// Per point, bit k: it lies on the zero set of field k.
   [[nodiscard]] const std::vector<unsigned>& On() const { return this->OnField; }
@@ -129,6 +135,8 @@ private:
       }
     }
   }
+  /// In which the ends of an edge differ.
+  [[nodiscard]] std::array<bool, 3> DirectionsOf(const std::array<Index, 2>& edge) const;
   void Bisect(const Cell& cell, const std::vector<Index>& order, std::vector<Cell>& parts) const;
   void FindRoots(const std::vector<std::array<Index, 2>>& edges, const ParallelFor& parallel);
   void MovePoints();
@@ -138,7 +146,7 @@ private:
   std::vector<std::shared_ptr<const ScalarField>> Fields;
   int Dimension;
   Eigen::Vector3d Low, High; ///< the domain
-  std::vector<Eigen::Vector3d> U, X;
+  std::vector<Eigen::Vector3d> U, Weights, X;
   std::vector<unsigned> OnField;
   std::vector<unsigned> Fixed;
   std::vector<char> WasMoved;

@@ -19,7 +19,8 @@ constexpr std::size_t Step = 1 << 14;
 }
 
 SimplexRefinement::SimplexRefinement(const std::array<std::vector<double>, 3>& lines,
-  const std::array<bool, 3>& isThere, const std::vector<int>& roots)
+  const std::array<bool, 3>& isThere, const std::vector<int>& roots,
+  const CollapsedSides& collapsed)
   : IsThere(isThere)
 {
   for (std::size_t d = 0; d < 3; ++d)
@@ -39,30 +40,64 @@ SimplexRefinement::SimplexRefinement(const std::array<std::vector<double>, 3>& l
         at[d] += c >> d & 1;
         isCorner = isCorner && (isThere[d] || (c >> d & 1) == 0);
       }
-      if (!isCorner || !this->Corners.Number({ at[0], at[1], at[2], 0 }).second)
+      if (isCorner)
       {
-        continue;
+        this->AddGridNode(lines, at, collapsed);
       }
-      unsigned sides = 0;
-      Eigen::Vector3d& node = this->Nodes.emplace_back();
-      for (std::size_t d = 0; d < 3; ++d)
-      {
-        node[static_cast<Eigen::Index>(d)] = lines[d][static_cast<std::size_t>(at[d])];
-        sides |= isThere[d] && at[d] == 0 ? 1u << (2 * d) : 0;
-        sides |= isThere[d] && at[d] == this->Size[d] ? 2u << (2 * d) : 0;
-      }
-      this->SideBits.push_back(static_cast<unsigned char>(sides));
-      this->EndsOf.push_back({ -1, -1 });
-      this->Places.push_back(at);
     }
   }
+}
+
+int SimplexRefinement::AddGridNode(const std::array<std::vector<double>, 3>& lines,
+  const std::array<int, 3>& at, const CollapsedSides& collapsed)
+{
+  const auto [place, isNew] = this->Corners.Number({ at[0], at[1], at[2], 0 });
+  if (!isNew)
+  {
+    return this->NodeAt[static_cast<std::size_t>(place)];
+  }
+  this->Places.push_back(at);
+  this->NodeAt.push_back(-1);
+  unsigned sides = 0;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    sides |= this->IsThere[d] && at[d] == 0 ? 1u << (2 * d) : 0;
+    sides |= this->IsThere[d] && at[d] == this->Size[d] ? 2u << (2 * d) : 0;
+  }
+  const unsigned free = collapsed.Free(sides);
+  // The same point at the low end of free directions is the node for all of them.
+  std::array<int, 3> first = at;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    first[d] = free >> d & 1 ? 0 : first[d];
+    sides |= free >> d & 1 ? 3u << (2 * d) : 0;
+  }
+  int node = this->NumberOfNodes();
+  if (first != at)
+  {
+    node = this->AddGridNode(lines, first, collapsed);
+  }
+  else
+  {
+    Eigen::Vector3d& u = this->Nodes.emplace_back();
+    Eigen::Vector3d& weights = this->Weights.emplace_back();
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      u[static_cast<Eigen::Index>(d)] = lines[d][static_cast<std::size_t>(at[d])];
+      weights[static_cast<Eigen::Index>(d)] = free >> d & 1 ? 0.0 : 1.0;
+    }
+    this->SideBits.push_back(static_cast<unsigned char>(sides));
+    this->EndsOf.push_back({ -1, -1 });
+  }
+  this->NodeAt[static_cast<std::size_t>(place)] = node;
+  return node;
 }
 
 bool SimplexRefinement::Triangulate(const std::vector<int>& roots,
   const std::vector<unsigned>& states, const Before& isBefore, const Abort& abort)
 {
-  std::vector<std::pair<std::array<int, 3>, int>> corners;
-  std::array<int, 4> chain{};
+  std::vector<GridCorner> corners;
+  std::array<GridCorner, 4> chain{};
   for (std::size_t r = 0; r < roots.size(); ++r)
   {
     if (r % (Step / 8) == 0 && abort())
@@ -93,36 +128,38 @@ bool SimplexRefinement::Triangulate(const std::vector<int>& roots,
   return true;
 }
 
-void SimplexRefinement::AddSimplices(const std::vector<std::pair<std::array<int, 3>, int>>& corners,
-  std::array<int, 4>& chain, int depth, const Before& isBefore, const Cell& like)
+void SimplexRefinement::AddSimplices(const std::vector<GridCorner>& corners,
+  std::array<GridCorner, 4>& chain, int depth, const Before& isBefore, const Cell& like)
 {
   // The first corner, and the simplices of the faces that it does not belong to (De Loera, Rambau &
   // Santos, Triangulations, 2010, section 4.3.2: pulling).
   const auto first = std::min_element(corners.begin(), corners.end(),
     [&isBefore](const auto& a, const auto& b) { return isBefore(a.second, b.second); });
-  chain[static_cast<std::size_t>(depth)] = first->second;
+  for (int i = 0; i < depth; ++i)
+  {
+    if (chain[static_cast<std::size_t>(i)].second == first->second)
+    {
+      return;
+    }
+  }
+  chain[static_cast<std::size_t>(depth)] = *first;
   if (corners.size() == 1)
   {
     Cell cell = like;
-    std::copy_n(chain.begin(), this->D + 1, cell.Corners.begin());
+    // Lines ascend: differences of their numbers have the signs of those of parameters.
     Eigen::Matrix3d sides = Eigen::Matrix3d::Identity();
     int column = 0;
-    for (int d = 0; d < 3; ++d)
+    for (std::size_t d = 0; d < 3; ++d)
     {
-      if (this->IsThere[static_cast<std::size_t>(d)])
+      for (int row = 0; row < this->D && this->IsThere[d]; ++row)
       {
-        int row = 0;
-        for (int e = 0; e < 3; ++e)
-        {
-          if (this->IsThere[static_cast<std::size_t>(e)])
-          {
-            sides(row, column) = this->Parameter(chain[static_cast<std::size_t>(row) + 1])[d] -
-              this->Parameter(chain[0])[d];
-            ++row;
-          }
-        }
-        ++column;
+        sides(row, column) = chain[static_cast<std::size_t>(row) + 1].first[d] - chain[0].first[d];
       }
+      column += this->IsThere[d] ? 1 : 0;
+    }
+    for (int c = 0; c <= this->D; ++c)
+    {
+      cell.Corners[static_cast<std::size_t>(c)] = chain[static_cast<std::size_t>(c)].second;
     }
     if (sides.determinant() < 0.0)
     {
@@ -133,7 +170,7 @@ void SimplexRefinement::AddSimplices(const std::vector<std::pair<std::array<int,
   }
   for (std::size_t d = 0; d < 3; ++d)
   {
-    std::vector<std::pair<std::array<int, 3>, int>> face;
+    std::vector<GridCorner> face;
     for (const auto& corner : corners)
     {
       if (corner.first[d] != first->first[d])
@@ -148,6 +185,17 @@ void SimplexRefinement::AddSimplices(const std::vector<std::pair<std::array<int,
   }
 }
 
+std::array<FreeParameters, 4> SimplexRefinement::Parameters(const Cell& cell) const
+{
+  std::array<FreeParameters, 4> u;
+  for (std::size_t c = 0; c <= static_cast<std::size_t>(this->D); ++c)
+  {
+    u[c] = this->At(cell.Corners[c]);
+  }
+  FillFree(u.data(), this->D + 1);
+  return u;
+}
+
 int SimplexRefinement::FindMiddle(int a, int b) const
 {
   const std::int64_t edge = this->MiddleOf.Find({ std::min(a, b), std::max(a, b), 0, 0 });
@@ -160,8 +208,9 @@ int SimplexRefinement::Middle(int a, int b)
   if (isNew)
   {
     this->MiddleNode.push_back(this->NumberOfNodes());
-    // Equal coordinates stay what they are: sides of the domain, knot planes.
-    this->Nodes.emplace_back(0.5 * (this->Parameter(a) + this->Parameter(b)));
+    const FreeParameters middle = hyperpatch::Middle(this->At(a), this->At(b));
+    this->Nodes.push_back(middle.Values);
+    this->Weights.push_back(middle.Weights);
     this->EndsOf.push_back({ a, b });
     this->SideBits.push_back(static_cast<unsigned char>(this->Sides(a) & this->Sides(b)));
   }

@@ -44,7 +44,7 @@ bool Trim(const std::shared_ptr<const PreparedAggregate>& body,
   SimplexCut cut(body, fields, static_cast<int>(corners) - 1);
   for (Eigen::Index i = 0; i < mesh.Points.cols(); ++i)
   {
-    cut.AddPoint(mesh.Parameters.col(i), mesh.Points.col(i), 1u << field);
+    cut.AddPoint(FreeParameters{ mesh.Parameters.col(i) }, mesh.Points.col(i), 1u << field);
     surface.Normals.emplace_back(mesh.Normals.col(i));
   }
   for (Eigen::Index c = 0; c < mesh.Cells.cols(); ++c)
