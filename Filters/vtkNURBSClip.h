@@ -34,9 +34,9 @@
  * different processes) meshes may differ by Tolerance, and their faces are counted in
  * OpenFacesOnInterfaces.
  *
- * Limitation: where a side of a patch is collapsed to a line or a point, some tetrahedra at it are
- * flat or turned over, faces between them need not match, and there may be very many (a sphere of
- * one patch with two poles); patches without poles (NURBS Primitive has them) do not have that.
+ * Where a side of a patch is collapsed to an axis or a pole, it is one line or point of the mesh.
+ * An attribute that is not one value there (an angle on the axis) has one of its values; tetrahedra
+ * around it are then refined to the width of Tolerance and count as undecided.
  *
  * Cost: proportional to the elements kept and to the output; elements on the other side cost only
  * their exclusion, which a tree finds. What is known of elements is kept while the input does not

@@ -377,9 +377,10 @@ unsigned char ClipWorker::LongestEdge(const Cell& cell) const
   return static_cast<unsigned char>(1 << longest);
 }
 
-unsigned char ClipWorker::MostBentEdge(const Cell& cell) const
+std::array<double, 6> ClipWorker::Bends(const Cell& cell) const
 {
   const auto& geometry = *this->M.Body->Geometry();
+  const auto m = static_cast<std::size_t>(geometry.Spline().Components());
   const int edges = SimplexRefinement::NumberOfEdges(this->Simplices->Dimension());
   Eigen::Matrix<double, 3, 6> u;
   for (int e = 0; e < edges; ++e)
@@ -388,45 +389,57 @@ unsigned char ClipWorker::MostBentEdge(const Cell& cell) const
       this->Simplices->At(static_cast<int>(End(cell, e, 1))))
                  .Values;
   }
-  Eigen::Matrix3Xd x(3, edges);
+  std::vector<double> x(m * static_cast<std::size_t>(edges));
   geometry.Evaluator().Evaluate(static_cast<std::size_t>(edges), u.data(), x.data());
-  unsigned char most = this->LongestEdge(cell);
-  double largest = 0.0;
+  std::array<double, 6> bends{};
   for (int e = 0; e < edges; ++e)
   {
-    const double bend =
-      (x.col(e) - 0.5 * (this->Points[End(cell, e, 0)] + this->Points[End(cell, e, 1)])).norm();
-    if (bend > largest)
-    {
-      most = static_cast<unsigned char>(1 << e);
-      largest = bend;
-    }
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    std::copy_n(&x[m * static_cast<std::size_t>(e)], m, middle.data());
+    bends[static_cast<std::size_t>(e)] =
+      (middle - 0.5 * (this->Points[End(cell, e, 0)] + this->Points[End(cell, e, 1)])).norm();
   }
-  return most;
+  return bends;
 }
 
-unsigned char ClipWorker::WideEdges(const Cell& cell) const
+bool ClipWorker::IsNearPole(const Cell& cell) const
 {
-  constexpr double Widest = 0.88; // the cosine of about 30 degrees
-  const auto isFree = [&](std::size_t node)
-  { return this->Simplices->Free(static_cast<int>(node)) != 0; };
-  unsigned char wide = 0;
+  bool isNear = false;
   for (int c = 0; c <= this->Simplices->Dimension(); ++c)
   {
-    const std::size_t pole = Corner(cell, c);
-    for (int e = 0;
-         isFree(pole) && e < SimplexRefinement::NumberOfEdges(this->Simplices->Dimension()); ++e)
-    {
-      const std::size_t a = End(cell, e, 0);
-      const std::size_t b = End(cell, e, 1);
-      const Eigen::Vector3d toA = this->Points[a] - this->Points[pole];
-      const Eigen::Vector3d toB = this->Points[b] - this->Points[pole];
-      const bool isWide = a != pole && b != pole && !(isFree(a) && isFree(b)) &&
-        toA.dot(toB) < Widest * toA.norm() * toB.norm();
-      wide |= static_cast<unsigned char>(isWide ? 1 << e : 0);
-    }
+    const Eigen::Vector3d weights =
+      this->Simplices->At(cell.Corners[static_cast<std::size_t>(c)]).Weights;
+    isNear = isNear || weights.minCoeff() < 1.0;
   }
-  return wide;
+  return isNear;
+}
+
+unsigned char ClipWorker::MostBentEdge(const Cell& cell) const
+{
+  const std::array<double, 6> bends = this->Bends(cell);
+  const auto most = std::max_element(bends.begin(), bends.end());
+  return *most > 0.0 ? static_cast<unsigned char>(1 << (most - bends.begin()))
+                     : this->LongestEdge(cell);
+}
+
+unsigned char ClipWorker::EdgesBentAtPole(const Cell& cell) const
+{
+  constexpr double Largest = 0.07; // a share of the length: an arc of 30 degrees
+  bool hasPole = false;
+  for (int c = 0; c <= this->Simplices->Dimension(); ++c)
+  {
+    hasPole = hasPole || this->Simplices->Free(cell.Corners[static_cast<std::size_t>(c)]) != 0;
+  }
+  unsigned char bent = 0;
+  const std::array<double, 6> bends = hasPole ? this->Bends(cell) : std::array<double, 6>{};
+  for (int e = 0; hasPole && e < SimplexRefinement::NumberOfEdges(this->Simplices->Dimension());
+       ++e)
+  {
+    const double length = (this->Points[End(cell, e, 0)] - this->Points[End(cell, e, 1)]).norm();
+    bent |= static_cast<unsigned char>(
+      bends[static_cast<std::size_t>(e)] > Largest * length ? 1 << e : 0);
+  }
+  return bent;
 }
 
 bool ClipWorker::IsTurnedOver(const Cell& cell) const
@@ -502,9 +515,9 @@ unsigned char ClipWorker::Plan(const Cell& cell) const
   {
     return 0;
   }
-  if (const unsigned char wide = this->IsDecided(cell.State) ? 0 : this->WideEdges(cell))
+  if (const unsigned char bent = this->IsDecided(cell.State) ? 0 : this->EdgesBentAtPole(cell))
   {
-    return wide;
+    return bent;
   }
   bool isMeasured = false;
   const double width = this->IsDecided(cell.State) ? 0.0 : this->Width(cell);

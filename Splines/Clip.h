@@ -42,11 +42,13 @@ struct ClipOptions
 /// curve.
 struct ClipMesh
 {
-  Eigen::Matrix3Xd Parameters;             ///< in the patch's own knots
+  /// In the patch's own knots; the low end of directions in which a pole has no parameter.
+  Eigen::Matrix3Xd Parameters;
   Eigen::Matrix3Xd Points;                 ///< physical, exact for their parameters
   std::vector<Eigen::MatrixXd> Attributes; ///< components x points, in the order of the aggregate
-  /// (dimension + 1) x cells of point indices; tetrahedra have positive volume, except at sides of
-  /// a patch that are collapsed to a line or a point.
+  /// (dimension + 1) x cells of point indices; tetrahedra have positive volume where det J has the
+  /// sign of the patch. One that has not, since a cut passes a pole at a tiny part of the
+  /// tolerance, counts as undecided.
   Eigen::Matrix<std::int64_t, Eigen::Dynamic, Eigen::Dynamic> Cells;
   /// Per cell, the non-empty knot span of the geometry in each direction, counted from 0.
   Eigen::Matrix3Xi Elements;
@@ -73,6 +75,15 @@ struct ClipMesh
 /// are equal bit by bit. They get the same breaks, their edges are halved together, and which
 /// simplices there are follows from the positions of points alone. Other interfaces are left apart,
 /// and the faces there counted.
+///
+/// Where a side or an edge of a patch is collapsed to a line or a point (an axis, a pole), all
+/// parameters there are one point of the mesh, and cells at it are as good as others
+/// (CollapsedSides, FreeParameters). An attribute that is not one value there (an angle on the
+/// axis) has that of the low end; cells at it that miss their tolerance for that are refined to the
+/// width of Tolerance and count as undecided. A field that is not one value counts as 0 if it has
+/// both signs: its cut ends there. Two sides that meet and collapse across each other's directions
+/// are one point in the shape of an L; the second of them is taken as it is, and cells there may be
+/// flat.
 ///
 /// Fields without bounds are sampled at the nodes of simplices that are no wider than a sixteenth
 /// of the patch.

@@ -149,11 +149,12 @@ bool ClipWorker::MarkBadCuts()
   const std::vector<double> errors = this->PieceErrors();
   for (std::size_t i = 0; i < cells.size(); ++i)
   {
-    isWrong[i] = errors[i] > this->M.Options.Tolerance;
+    isWrong[i] = errors[i] > CutTarget * this->M.Options.Tolerance;
   }
   for (const Facet& facet : this->CutFacets())
   {
-    isWrong[facet.Cell] = isWrong[facet.Cell] || facet.Error > this->M.Options.Tolerance;
+    isWrong[facet.Cell] =
+      isWrong[facet.Cell] || facet.Error > CutTarget * this->M.Options.Tolerance;
   }
   for (const SimplexCut::Cell& piece : this->P->Cells())
   {
@@ -252,10 +253,16 @@ bool ClipWorker::Assemble()
   std::vector<SimplexCut::Cell> cells;
   const auto add = [&](const SimplexCut::Cell& cell)
   {
-    if (!this->Vanishes([&](int c) -> const Eigen::Vector3d&
-          { return pointAt(cell.Corners[static_cast<std::size_t>(c)]); }))
+    const auto at = [&](int c) -> const Eigen::Vector3d&
+    { return pointAt(cell.Corners[static_cast<std::size_t>(c)]); };
+    if (!this->Vanishes(at))
     {
       cells.push_back(cell);
+      // Elsewhere it is the geometry that is turned over.
+      this->Result.Certificate.UndecidedCells += dimension == 3 && SixVolumes(at) <= 0.0 &&
+          this->IsNearPole(this->Simplices->Cells()[static_cast<std::size_t>(cell.Origin)])
+        ? 1
+        : 0;
     }
   };
   for (const SimplexCut::Cell& piece : this->P->Cells())

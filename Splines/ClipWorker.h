@@ -162,9 +162,6 @@ private:
   [[nodiscard]] double Jump(const Cell& cell) const;
   void FindJump(std::size_t node);
   [[nodiscard]] Error CutError(const Cell& cell, std::size_t field) const;
-  /// Edges that are seen from a pole in another corner at so wide an angle that a cell of any size
-  /// is far from what it stands for.
-  [[nodiscard]] unsigned char WideEdges(const Cell& cell) const;
   /// Whether a cell has no positive volume though the geometry there is regular.
   [[nodiscard]] bool IsTurnedOver(const Cell& cell) const;
   /// Whether smaller cells will have positive volume: the geometry is neither turned over nor about
@@ -208,8 +205,15 @@ private:
   [[nodiscard]] unsigned char EdgesToHalve(const Cell& cell) const;
   [[nodiscard]] double Width(const Cell& cell) const;
   [[nodiscard]] unsigned char LongestEdge(const Cell& cell) const;
-  /// That with the largest error in its middle: what turned over a cell of three dimensions.
+  /// Whether it lies in an element with a collapsed side that it is not opposite to.
+  [[nodiscard]] bool IsNearPole(const Cell& cell) const;
+  /// How far the middles of edges are from the geometry.
+  [[nodiscard]] std::array<double, 6> Bends(const Cell& cell) const;
+  /// What turned over a cell of three dimensions.
   [[nodiscard]] unsigned char MostBentEdge(const Cell& cell) const;
+  /// Of a cell with a corner at a pole: edges that are seen from there at a wide angle, which no
+  /// smaller cell sees at a narrower one as long as they are not halved.
+  [[nodiscard]] unsigned char EdgesBentAtPole(const Cell& cell) const;
   void MarkEdges(const Cell& cell, unsigned char edges);
   [[nodiscard]] SimplexRefinement::Before Order() const;
   [[nodiscard]] double LengthAround(int middle) const;
@@ -242,6 +246,7 @@ private:
 
   /// The share of a tolerance that is aimed at: it is measured at a few points only.
   static constexpr double Target = 0.85;
+  static constexpr double CutTarget = 0.95; ///< of parts of cells
   /// Cells of a field without bounds are this share of the patch's diagonal at most.
   static constexpr int SampledDivisions = 16;
   static constexpr std::ptrdiff_t Grain = 128;
