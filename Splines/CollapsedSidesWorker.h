@@ -25,6 +25,7 @@ public:
   /// \param distance points nearer to each other are the same
   CollapsedSides(const Spline& geometry, double distance);
 
+  [[nodiscard]] bool IsAny() const { return this->Table.back() != 0; }
   /// The directions in which all points in these sides are free.
   [[nodiscard]] unsigned Free(unsigned sides) const { return this->Table[sides]; }
   /// The sides that a point lies in, both ends of the directions in which it is free among them.

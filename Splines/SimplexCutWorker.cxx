@@ -53,6 +53,7 @@ SimplexCut::Index SimplexCut::AddPoint(
   const auto index = static_cast<Index>(this->U.size());
   this->U.push_back(parameter.Values);
   this->Weights.push_back(parameter.Weights);
+  this->HasPoles = this->HasPoles || parameter.Weights.minCoeff() < 1.0;
   this->X.push_back(point);
   this->OnField.push_back(on);
   this->Fixed.push_back(fixed);
@@ -306,8 +307,15 @@ void SimplexCut::FindRoots(
       {
         const auto& edge = edges[static_cast<std::size_t>(begin) + k];
         const std::array<FreeParameters, 2> ends{ this->At(edge[0]), this->At(edge[1]) };
-        const std::array<double, 2> shares{ 1.0 - t, t };
-        return hyperpatch::Between(ends.data(), shares.data(), 2);
+        if (this->HasPoles)
+        {
+          const std::array<double, 2> shares{ 1.0 - t, t };
+          return hyperpatch::Between(ends.data(), shares.data(), 2);
+        }
+        // Equal coordinates stay what they are: faces of the domain, knot planes.
+        const Eigen::Vector3d& a = ends[0].Values;
+        const Eigen::Vector3d& b = ends[1].Values;
+        return FreeParameters{ (a.array() == b.array()).select(a, a + t * (b - a)) };
       };
       std::vector<std::size_t> open(brackets.size());
       std::iota(open.begin(), open.end(), 0);

@@ -147,6 +147,7 @@ private:
   int Dimension;
   Eigen::Vector3d Low, High; ///< the domain
   std::vector<Eigen::Vector3d> U, Weights, X;
+  bool HasPoles = false; ///< weights that are not 1
   std::vector<unsigned> OnField;
   std::vector<unsigned> Fixed;
   std::vector<char> WasMoved;

@@ -22,6 +22,7 @@ SimplexRefinement::SimplexRefinement(const std::array<std::vector<double>, 3>& l
   const std::array<bool, 3>& isThere, const std::vector<int>& roots,
   const CollapsedSides& collapsed)
   : IsThere(isThere)
+  , HasPoles(collapsed.IsAny())
 {
   for (std::size_t d = 0; d < 3; ++d)
   {
@@ -80,12 +81,13 @@ int SimplexRefinement::AddGridNode(const std::array<std::vector<double>, 3>& lin
   else
   {
     Eigen::Vector3d& u = this->Nodes.emplace_back();
-    Eigen::Vector3d& weights = this->Weights.emplace_back();
+    Eigen::Vector3d weights;
     for (std::size_t d = 0; d < 3; ++d)
     {
       u[static_cast<Eigen::Index>(d)] = lines[d][static_cast<std::size_t>(at[d])];
       weights[static_cast<Eigen::Index>(d)] = free >> d & 1 ? 0.0 : 1.0;
     }
+    this->Weights.insert(this->Weights.end(), this->HasPoles ? 1 : 0, weights);
     this->SideBits.push_back(static_cast<unsigned char>(sides));
     this->EndsOf.push_back({ -1, -1 });
   }
@@ -192,7 +194,10 @@ std::array<FreeParameters, 4> SimplexRefinement::Parameters(const Cell& cell) co
   {
     u[c] = this->At(cell.Corners[c]);
   }
-  FillFree(u.data(), this->D + 1);
+  if (this->HasPoles)
+  {
+    FillFree(u.data(), this->D + 1);
+  }
   return u;
 }
 
@@ -208,9 +213,17 @@ int SimplexRefinement::Middle(int a, int b)
   if (isNew)
   {
     this->MiddleNode.push_back(this->NumberOfNodes());
-    const FreeParameters middle = hyperpatch::Middle(this->At(a), this->At(b));
-    this->Nodes.push_back(middle.Values);
-    this->Weights.push_back(middle.Weights);
+    if (this->HasPoles)
+    {
+      const FreeParameters middle = hyperpatch::Middle(this->At(a), this->At(b));
+      this->Nodes.push_back(middle.Values);
+      this->Weights.push_back(middle.Weights);
+    }
+    else
+    {
+      // Equal coordinates stay what they are: sides of the domain, knot planes.
+      this->Nodes.emplace_back(0.5 * (this->Parameter(a) + this->Parameter(b)));
+    }
     this->EndsOf.push_back({ a, b });
     this->SideBits.push_back(static_cast<unsigned char>(this->Sides(a) & this->Sides(b)));
   }

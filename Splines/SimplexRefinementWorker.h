@@ -72,14 +72,18 @@ public:
   /// Bits: the directions in which a node is free.
   [[nodiscard]] unsigned Free(int node) const
   {
+    if (!this->HasPoles)
+    {
+      return 0;
+    }
     const Eigen::Vector3d& weights = this->Weights[static_cast<std::size_t>(node)];
     return (weights[0] == 0.0 ? 1u : 0u) | (weights[1] == 0.0 ? 2u : 0u) |
       (weights[2] == 0.0 ? 4u : 0u);
   }
   [[nodiscard]] FreeParameters At(int node) const
   {
-    return { this->Nodes[static_cast<std::size_t>(node)],
-      this->Weights[static_cast<std::size_t>(node)] };
+    const auto n = static_cast<std::size_t>(node);
+    return { this->Nodes[n], this->HasPoles ? this->Weights[n] : Eigen::Vector3d::Ones() };
   }
   /// Of the corners of a simplex.
   [[nodiscard]] std::array<FreeParameters, 4> Parameters(const Cell& cell) const;
@@ -131,7 +135,8 @@ private:
   std::array<int, 3> Size{ 1, 1, 1 }; ///< grid cells
   std::vector<Cell> C;
   std::vector<Eigen::Vector3d> Nodes;
-  std::vector<Eigen::Vector3d> Weights;
+  bool HasPoles = false;
+  std::vector<Eigen::Vector3d> Weights; ///< of nodes, where there are poles
   std::vector<unsigned char> SideBits;
   std::vector<std::array<int, 2>> EndsOf;
   std::vector<std::array<int, 3>> Places;
