@@ -186,6 +186,7 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
   constexpr double Unequal = 3.0;  // slopes at both ends of an edge, in heights
   constexpr double Doubtful = 0.7; // shares of the tolerance
   constexpr double Close = 0.87;
+  constexpr double Noticed = 0.3;
   // Measured so much of an edge aside, a height is wrong by a hundredth of that of the triangle.
   constexpr double FarAside = 0.05;
 
@@ -238,7 +239,8 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
       q[static_cast<std::size_t>(k)] = from + to;
     }
     most = std::max(most, MiddleHeight(q));
-    facet = { triangles[t], { most, 0.0, 0.0 }, most / tolerance, longest, false, false };
+    facet = { triangles[t], { most, 0.0, 0.0 }, most / tolerance, longest, most,
+      std::abs(q[0] + q[1] + q[2]) / 18.0, false, false };
     const Eigen::Vector3d across = turn * (X.col(1) - X.col(0)).cross(X.col(2) - X.col(0));
     const double area = across.norm();
     const Eigen::RowVector3d facing = across.transpose() * n;
@@ -306,6 +308,18 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
       }
     }
     measure(all, 0, fewest, 1);
+    for (std::size_t i = 0; i < all.size(); ++i)
+    {
+      // What is higher in the middle than normals say may be so on the edges.
+      Facet& facet = known[all[i]];
+      const double middle = measured[fewest * i].Distance;
+      if (!facet.IsDoubtful && facet.Share <= Accepted && middle > Noticed * tolerance &&
+        facet.Most * middle > Close * tolerance * facet.Middle)
+      {
+        facet.IsDoubtful = true;
+        doubtful.push_back(all[i]);
+      }
+    }
     measure(doubtful, fewest, Places.size(), 1);
     std::copy_if(doubtful.begin(), doubtful.end(), std::back_inserter(aside),
       [&known](std::size_t t)

@@ -183,6 +183,8 @@ private:
       Error Worst;    ///< by its normals, then as measured too
       double Share;   ///< of what is allowed
       double Longest; ///< the square of its longest edge
+      double Most;    ///< its height by its normals, where that is greatest
+      double Middle;  ///< and in the middle
       bool IsDoubtful;
       bool IsMeasured;
     };

@@ -25,7 +25,8 @@ using namespace hyperpatch;
 /// A zero-set problem that a seed makes: degrees 1 to 9, 1 to 6 spans, uniform, non-uniform,
 /// repeated and unclamped knots, rational or not; an isosurface of an attribute with its own basis
 /// or that of the geometry, a plane or a sphere; through a straight or a bent geometry of either
-/// handedness, whose Jacobian determinant has one sign.
+/// handedness, whose Jacobian determinant has one sign but for a fold at the edge of the domain in
+/// one of a thousand.
 class RandomZeroSet
 {
 public:

@@ -14,9 +14,10 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <set>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 using namespace hyperpatch;
 using models::RandomZeroSet;
@@ -191,6 +192,8 @@ public:
   [[nodiscard]] double DistanceBySearch(
     const Eigen::Vector3d& target, const Eigen::Vector3d& start, double radius) const
   {
+    // From the point itself, and where `start` is on a crease from there and in its plane: a ridge
+    // of f may come up to 0 in no other direction.
     Eigen::Vector3d u = start;
     double f = 0.0;
     Eigen::Vector3d g;
@@ -201,10 +204,36 @@ public:
       this->At(u, f, g, x, J);
       u = (u + J.inverse() * (target - x)).cwiseMax(this->Low).cwiseMin(this->High);
     }
+    double least = this->DistanceFrom(u, Eigen::Vector3d::Ones(), target, radius);
+    for (int d = 0; d < 3; ++d)
+    {
+      for (const double crease : this->Model.Function().Knots(d).Creases())
+      {
+        if (std::abs(start[d] - crease) <= 1e-12 * (this->High[d] - this->Low[d]))
+        {
+          u = start;
+          u[d] = crease;
+          Eigen::Vector3d inPlane = Eigen::Vector3d::Ones();
+          inPlane[d] = 0.0;
+          least = std::min(least, this->DistanceFrom(u, inPlane, target, radius));
+        }
+      }
+    }
+    return least;
+  }
+
+  /// Of what is found of the zero set in many directions from u.
+  [[nodiscard]] double DistanceFrom(const Eigen::Vector3d& u, const Eigen::Vector3d& isFree,
+    const Eigen::Vector3d& target, double radius) const
+  {
+    double f = 0.0;
+    Eigen::Vector3d g;
+    Eigen::Vector3d x;
+    Eigen::Matrix3d J;
     this->At(u, f, g, x, J);
     double least = INFINITY;
     constexpr int Directions = 400;
-    constexpr int Steps = 6;
+    constexpr int Steps = 12;
     for (int i = 0; i < Directions; ++i)
     {
       // Evenly over the sphere, along a spiral.
@@ -215,9 +244,12 @@ public:
         J.inverse() * Eigen::Vector3d(r * std::cos(angle), r * std::sin(angle), z) * radius;
       double before = f;
       Eigen::Vector3d low = u;
+      // In growing steps: two sheets may be near to each other where the first one is near to u.
       for (int step = 1; step <= Steps; ++step)
       {
-        Eigen::Vector3d high = (u + along * step / Steps).cwiseMax(this->Low).cwiseMin(this->High);
+        Eigen::Vector3d high = (u + along.cwiseProduct(isFree) * std::pow(3.0, step - Steps))
+                                 .cwiseMax(this->Low)
+                                 .cwiseMin(this->High);
         const double after = this->Value(high);
         if ((before < 0.0) != (after < 0.0))
         {
@@ -442,7 +474,8 @@ struct Flaws
 };
 
 /// \param triangles whether to look at what is between vertices, which takes longest
-Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally)
+/// \param nodes per direction of the grid between whose nodes zeros are looked for
+Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally, std::size_t nodes = 15)
 {
   Flaws result;
   std::ostringstream flaws;
@@ -518,7 +551,9 @@ Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally)
       Epsilon * g.cwiseAbs().dot(u.cwiseAbs().cwiseMax(exact.High - exact.Low));
     residual = std::max(residual, std::abs(exact.Value(u)) / (model.Scale + reachable / Epsilon));
     misplaced = std::max(misplaced, (x - mesh.Points.col(v)).norm() / model.Reach);
-    const Eigen::Vector3d up = J.transpose().inverse() * g;
+    // cof(J) grad f with one sign per patch; where det J has the other one, f falls along it.
+    const double sign = J.determinant() * options.Handedness < 0.0 ? -1.0 : 1.0;
+    const Eigen::Vector3d up = sign * J.transpose().inverse() * g;
     // On a crease it has one per side; u is on the upper side of it.
     if (welded.PointOf[static_cast<std::size_t>(v)] == static_cast<std::size_t>(v) &&
       !model.IsOnCrease(u) && up.norm() * model.Diagonal > 1e-6 * model.Scale)
@@ -594,7 +629,8 @@ Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally)
 
   // Zeros between the nodes of a grid: the mesh is near, or a narrow undecided cell around them.
   EXPECT_EQ(static_cast<std::int64_t>(zeroSet.UndecidedBoxes().size()), certificate.UndecidedCells);
-  // Plateaus at 0 are not refined.
+  // A box that is 0 all over may be wide: no smaller one in it would say more, and nothing in it is
+  // a surface. All of its corners, faces and inside count, so that no sheet hides beside a plateau.
   std::vector<ParameterBox> narrow;
   std::copy_if(zeroSet.UndecidedBoxes().begin(), zeroSet.UndecidedBoxes().end(),
     std::back_inserter(narrow),
@@ -603,7 +639,7 @@ Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally)
   if (certificate.ToleranceReached)
   {
     std::array<std::vector<double>, 3> at;
-    constexpr std::size_t N = 15;
+    const std::size_t N = nodes;
     const std::vector<double> values = Sample(exact, N, at);
     std::vector<std::array<std::size_t, 2>> crossings; // node and direction
     const std::array<std::size_t, 3> step{ 1, N, N * N };
@@ -612,8 +648,9 @@ Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally)
       const std::array<std::size_t, 3> ijk{ node % N, node / N % N, node / (N * N) };
       for (std::size_t d = 0; d < 3; ++d)
       {
-        // What is 0 to round-off, as where a sheet only touches a corner of the domain, has no
-        // sign.
+        // A value that is 0 but for the rounding of its own evaluation has no sign that anybody
+        // could know; this is a few hundred eps, which a sum of up to 1000 terms of both signs
+        // needs.
         if (ijk[d] + 1 < N && values[node] * values[node + step[d]] < 0.0 &&
           std::min(std::abs(values[node]), std::abs(values[node + step[d]])) > 1e-13 * model.Scale)
         {
@@ -621,9 +658,12 @@ Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally)
         }
       }
     }
-    constexpr std::size_t Most = 48;
+    const std::size_t most = N * N / 4;
     double farthest = 0.0;
-    for (std::size_t i = 0; i < crossings.size(); i += 1 + crossings.size() / Most)
+    // What bisection leaves open, and rounding.
+    const Eigen::Array3d slack =
+      1e-12 * (exact.High - exact.Low).cwiseMax(exact.High.cwiseAbs()).array();
+    for (std::size_t i = 0; i < crossings.size(); i += 1 + crossings.size() / most)
     {
       const auto [node, d] = crossings[i];
       Eigen::Vector3d u(at[0][node % N], at[1][node / N % N], at[2][node / (N * N)]);
@@ -636,10 +676,10 @@ Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally)
         ((exact.Value(u) < 0.0) == (values[node] < 0.0) ? low : high) = x;
       }
       const bool isListed = std::any_of(narrow.begin(), narrow.end(),
-        [&u](const ParameterBox& box)
+        [&u, &slack](const ParameterBox& box)
         {
-          return (u.array() >= Eigen::Array3d(box.Low.data())).all() &&
-            (u.array() <= Eigen::Array3d(box.High.data())).all();
+          return (u.array() >= Eigen::Array3d(box.Low.data()) - slack).all() &&
+            (u.array() <= Eigen::Array3d(box.High.data()) + slack).all();
         });
       if (isListed)
       {
@@ -686,19 +726,13 @@ Flaws Check(const RandomZeroSet& model, bool triangles, Tally& tally)
   return result;
 }
 
-/// Seeds of integers that have a zero far from the surface: see below.
-const std::set<unsigned> FarZeros{ 119 };
-
 void CheckSeeds(RandomZeroSet::Kind kind, unsigned count, bool triangles, Tally& tally)
 {
   for (unsigned seed = 0; seed < count; ++seed)
   {
     const RandomZeroSet model(kind, seed);
     const Flaws flaws = Check(model, triangles, tally);
-    if (kind != RandomZeroSet::Kind::Integers || FarZeros.count(seed) == 0)
-    {
-      EXPECT_EQ(flaws.Surface, "") << "seed " << seed << ": " << model.Description;
-    }
+    EXPECT_EQ(flaws.Surface, "") << "seed " << seed << ": " << model.Description;
     EXPECT_EQ(flaws.Triangles, "") << "seed " << seed << ": " << model.Description;
     EXPECT_EQ(flaws.Topology, "") << "seed " << seed << ": " << model.Description;
   }
@@ -752,18 +786,44 @@ TEST(ZeroSetRandom, PlateausEndInSurfaces)
   CheckSeeds(RandomZeroSet::Kind::Plateaus, 150, false, tally);
 }
 
-// A limitation, in about one seed of 600: a zero is up to nine tolerances from the surface
-// and in no narrow undecided cell. Signs at the corners of boxes may not show all of a sheet.
-TEST(ZeroSetRandom, DISABLED_EveryZeroIsNearTheSurfaceOrInANarrowCell)
+// Each of these has had a zero far from the surface and in no narrow box: a thin piece along an
+// edge of the domain joined into nothing; a sheet of which signs at the corners of boxes show
+// nothing, which enters certified boxes from undecided ones or along a face of the domain; a
+// triangle whose normals tell too little of its error (2399: of which the reference saw no
+// surface).
+TEST(ZeroSetRandom, EveryZeroIsNearTheSurfaceOrInANarrowBox)
+{
+  using Kind = RandomZeroSet::Kind;
+  const std::vector<std::pair<Kind, std::vector<unsigned>>> seeds{
+    { Kind::Generic, { 216, 1425, 2399, 2873, 3933 } },
+    { Kind::Integers,
+      { 119, 537, 548, 678, 1325, 1351, 1373, 2177, 2342, 2816, 3213, 3359, 3478, 3563, 3624, 3890,
+        3934 } },
+    { Kind::Plateaus, { 266, 417, 515, 660, 1093, 1322, 1405, 1813, 3987 } }
+  };
+  Tally tally;
+  for (const auto& [kind, some] : seeds)
+  {
+    for (const unsigned seed : some)
+    {
+      const RandomZeroSet model(kind, seed);
+      constexpr std::size_t Nodes = 31;
+      const Flaws flaws = Check(model, kind == Kind::Generic, tally, Nodes);
+      EXPECT_EQ(flaws.Surface + flaws.Triangles, "")
+        << "seed " << seed << ": " << model.Description;
+    }
+  }
+}
+
+// The geometry of these folds over at an edge of the domain.
+TEST(ZeroSetRandom, NormalsKeepTheirSideThroughFolds)
 {
   Tally tally;
-  for (const unsigned seed : FarZeros)
+  for (const unsigned seed : { 1090u, 1686u })
   {
-    const RandomZeroSet model(RandomZeroSet::Kind::Integers, seed);
+    const RandomZeroSet model(RandomZeroSet::Kind::Plateaus, seed);
     EXPECT_EQ(Check(model, false, tally).Surface, "") << "seed " << seed;
   }
-  const RandomZeroSet model(RandomZeroSet::Kind::Generic, 2873);
-  EXPECT_EQ(Check(model, false, tally).Surface, "");
 }
 
 TEST(ZeroSetRandom, NoTriangleLeavesTheToleranceOrTurnsOver)
