@@ -5,6 +5,7 @@
 #include "Primitives.h"
 #include "QuadricField.h"
 #include "Splines/Clips.h"
+#include "Splines/Integrals.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -303,6 +304,49 @@ TEST(ClipPoles, AnOctantOfOneElement)
     corner.Inside /= 8.0;
     corner.IsHollow = false;
     ExpectBothSides(solid, corner, tolerance);
+  }
+}
+
+TEST(ClipPoles, AnEdgeAloneAndThinRims)
+{
+  // A cube one edge of which is a point, and a pillow: two sheets that meet all around.
+  const KnotVector line = KnotVector::Uniform(1, 2);
+  Eigen::MatrixXd wedge(3, 8);
+  wedge << 0, 1, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 1, 1;
+  const KnotVector arch = KnotVector::Uniform(2, 3);
+  Eigen::MatrixXd pillow(3, 18);
+  for (int i = 0; i < 18; ++i)
+  {
+    const bool isMiddle = i % 9 == 4;
+    pillow.col(i) << 0.5 * (i % 3), 0.5 * (i / 3 % 3), isMiddle ? (i < 9 ? -1.0 : 1.0) : 0.0;
+  }
+  for (const Spline& geometry :
+    { Spline({ line, line, line }, wedge), Spline({ arch, arch, line }, pillow) })
+  {
+    MultiPatch model;
+    model.Patches.push_back({ 0, Aggregate(geometry) });
+    const double exact =
+      integrals::Integrate(geometry, [](const Eigen::Matrix3d& J) { return J.determinant(); });
+    for (const Vector3d& normal : { Vector3d(1, 2, 0.5), Vector3d(1, -1, 0), Vector3d(0, 1, 0) })
+    {
+      double sum = 0.0;
+      for (const bool inside : { true, false })
+      {
+        ClipOptions options = Coarse(1e-2);
+        options.KeepInside = inside;
+        const Clipped clipped =
+          ClipAll(model, Inside({ Plane(normal, { 0.5, 0.5, 0.1 }) }), options);
+        Solid solid{ "", model, { [](const Vector3d&) { return 0.0; } }, 0.0, 10.0 };
+        double volume = 0.0;
+        for (Eigen::Index c = 0; c < clipped.Meshes[0].Cells.cols(); ++c)
+        {
+          volume += SignedVolume(clipped.Meshes[0], c);
+        }
+        ExpectSolid(solid, ByPlane(normal, { 0.5, 0.5, 0.1 }, 0.0), clipped, 1e-2, volume, 2);
+        sum += volume;
+      }
+      EXPECT_NEAR(sum, exact, 1e-2 * 6.0);
+    }
   }
 }
 
