@@ -344,7 +344,10 @@ bool ZeroSet::Worker::TraceFaces()
   {
     this->LargestValue = std::max(this->LargestValue, std::abs(value));
   }
-  this->FindDivided();
+  if (!this->FindDivided())
+  {
+    return false;
+  }
   if (this->Axes.size() > 1)
   {
     return this->TraceAll() && this->FindVertices();

@@ -2,6 +2,8 @@
 #include "ZeroSetWorker.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace hyperpatch
 {
@@ -119,50 +121,48 @@ ZeroSet::Worker::Sides ZeroSet::Worker::CommonSides(const std::array<int, 3>& of
   return common;
 }
 
-void ZeroSet::Worker::FindDivided()
+bool ZeroSet::Worker::FindDivided()
 {
   this->Divided.assign(this->Leaves.size(), this->Axes.size() < 3 ? AllSides : 0u);
   if (this->Axes.size() < 3)
   {
-    return;
+    return true;
   }
-  Numbering leaves;
-  for (std::size_t l = 0; l < this->Leaves.size(); ++l)
-  {
-    const Box& box = this->Leaves[l].At;
-    leaves.Number({ box.Low[0], box.Low[1], box.Low[2], box.Size });
-    // Nodes on sides may be those of boxes beyond.
-    for (int d = 0; d < 3; ++d)
-    {
-      for (const int step : { -1, 1 })
-      {
-        std::array<int, 3> offset{};
-        offset[static_cast<std::size_t>(d)] = step;
-        const int low = box.Low[static_cast<std::size_t>(d)];
-        this->Divided[l] |=
-          this->GoesOn(d, step < 0 ? low : low + box.Size) ? CommonSides(offset) : 0u;
-      }
-    }
-  }
-  // Others are those of boxes beside that were halved: nodes of smaller ones come with those.
+  std::vector<std::pair<std::array<int, 3>, Sides>> beside;
   for (int i = 0; i < 27; ++i)
   {
     const std::array<int, 3> offset{ i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1 };
-    const Sides common = CommonSides({ -offset[0], -offset[1], -offset[2] });
-    if (common == 0 || i == 13)
+    const Sides common = CommonSides(offset);
+    if (common != 0 && i != 13)
     {
-      continue;
-    }
-    for (const Box& box : this->Halved)
-    {
-      const Index leaf = leaves.Find({ box.Low[0] + offset[0] * box.Size,
-        box.Low[1] + offset[1] * box.Size, box.Low[2] + offset[2] * box.Size, box.Size });
-      if (leaf >= 0)
-      {
-        this->Divided[static_cast<std::size_t>(leaf)] |= common;
-      }
+      beside.emplace_back(offset, common);
     }
   }
+  constexpr Index Grain = 256;
+  return this->Parallel(static_cast<Index>(this->Leaves.size()), Grain,
+    [this, &beside](Index begin, Index end)
+    {
+      for (auto l = static_cast<std::size_t>(begin); l < static_cast<std::size_t>(end); ++l)
+      {
+        const auto& [low, size] = this->Leaves[l].At;
+        for (const auto& [offset, common] : beside)
+        {
+          // Nodes on sides may be those of boxes beyond. Others are those of boxes beside that were
+          // halved: nodes of smaller ones come with those.
+          bool goesOn = false;
+          for (int d = 0; d < 3; ++d)
+          {
+            const auto D = static_cast<std::size_t>(d);
+            const bool isAcross = offset[(D + 1) % 3] == 0 && offset[(D + 2) % 3] == 0;
+            goesOn = goesOn ||
+              (isAcross && offset[D] != 0 && this->GoesOn(d, low[D] + (offset[D] > 0 ? size : 0)));
+          }
+          const Numbering::Key box{ low[0] + offset[0] * size, low[1] + offset[1] * size,
+            low[2] + offset[2] * size, size };
+          this->Divided[l] |= goesOn || this->HalvedKeys.Find(box) >= 0 ? common : 0u;
+        }
+      }
+    });
 }
 
 }

@@ -221,18 +221,31 @@ void ZeroSet::Worker::JoinCurves(const std::vector<Index>& vertexOf)
   {
     curve.HasTwin = false;
   }
-  Numbering ends;
-  std::vector<Index> firstOf;
+  // Chained by the lower end: there are few at a vertex, and they are near in memory.
+  struct Ends
+  {
+    Index High;
+    int Where;
+    Index First; ///< the first curve with them
+    Index Next;
+  };
+  std::vector<Ends> ends;
+  std::vector<Index> chains(this->Vertices.size(), -1);
   const auto firstWith = [&](const std::array<Index, 2>& some, int where, Index c)
   {
     const auto [low, high] = std::minmax(some[0], some[1]);
-    const auto [number, isNew] =
-      ends.Number({ static_cast<int>(low), static_cast<int>(high), where, 0 });
-    if (isNew)
+    Index& chain = chains[static_cast<std::size_t>(low)];
+    for (Index i = chain; i >= 0; i = ends[static_cast<std::size_t>(i)].Next)
     {
-      firstOf.push_back(c);
+      const Ends& known = ends[static_cast<std::size_t>(i)];
+      if (known.High == high && known.Where == where)
+      {
+        return known.First;
+      }
     }
-    return firstOf[static_cast<std::size_t>(number)];
+    ends.push_back({ high, where, c, chain });
+    chain = static_cast<Index>(ends.size()) - 1;
+    return c;
   };
   for (const bool onCrease : { true, false })
   {

@@ -317,7 +317,7 @@ private:
   }
   /// Those that a box has in common with one as large, so many sizes away.
   [[nodiscard]] static Sides CommonSides(const std::array<int, 3>& offset);
-  void FindDivided();
+  bool FindDivided();
 
   // Faces: ZeroSetFaces.cxx
   /// Vertices and their curves, which are only chords yet.
