@@ -27,8 +27,8 @@ public:
   ClipWorker(const ClipGroup::Member& member, std::shared_ptr<BendBounds> bends,
     const CollapsedSides& collapsed);
 
-  // Clip.cxx: simplices are refined. ClipFields.cxx: where they lie. ClipErrors.cxx: how wrong they
-  // are.
+  // Clip.cxx: simplices are refined. ClipFields.cxx: where they lie; ClipErrors.cxx: how wrong they
+  // are; ClipShapes.cxx: how they are shaped.
 
   /// Finds the elements that may have to be kept, and the nodes at their corners.
   bool Begin();
