@@ -47,8 +47,8 @@ struct ClipMesh
   Eigen::Matrix3Xd Points;                 ///< physical, exact for their parameters
   std::vector<Eigen::MatrixXd> Attributes; ///< components x points, in the order of the aggregate
   /// (dimension + 1) x cells of point indices; tetrahedra have positive volume where det J has the
-  /// sign of the patch. One that has not, since a cut passes a pole at a tiny part of the
-  /// tolerance, counts as undecided.
+  /// sign of the patch. One that has not, at an edge where det J is 0 or since a cut passes a pole
+  /// at a tiny part of the tolerance, counts as undecided.
   Eigen::Matrix<std::int64_t, Eigen::Dynamic, Eigen::Dynamic> Cells;
   /// Per cell, the non-empty knot span of the geometry in each direction, counted from 0.
   Eigen::Matrix3Xi Elements;

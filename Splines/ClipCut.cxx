@@ -258,11 +258,10 @@ bool ClipWorker::Assemble()
     if (!this->Vanishes(at))
     {
       cells.push_back(cell);
-      // Elsewhere it is the geometry that is turned over.
-      this->Result.Certificate.UndecidedCells += dimension == 3 && SixVolumes(at) <= 0.0 &&
-          this->IsNearPole(this->Simplices->Cells()[static_cast<std::size_t>(cell.Origin)])
-        ? 1
-        : 0;
+      // Of folds it has to be.
+      const bool isTurnedOver = dimension == 3 && SixVolumes(at) <= 0.0 &&
+        !this->IsFolded(this->Simplices->Cells()[static_cast<std::size_t>(cell.Origin)]);
+      this->Result.Certificate.UndecidedCells += isTurnedOver ? 1 : 0;
     }
   };
   for (const SimplexCut::Cell& piece : this->P->Cells())

@@ -70,18 +70,6 @@ std::array<double, 6> ClipWorker::Bends(const Cell& cell) const
   return bends;
 }
 
-bool ClipWorker::IsNearPole(const Cell& cell) const
-{
-  bool isNear = false;
-  for (int c = 0; c <= this->Simplices->Dimension(); ++c)
-  {
-    const Eigen::Vector3d weights =
-      this->Simplices->At(cell.Corners[static_cast<std::size_t>(c)]).Weights;
-    isNear = isNear || weights.minCoeff() < 1.0;
-  }
-  return isNear;
-}
-
 unsigned char ClipWorker::MostBentEdge(const Cell& cell) const
 {
   const std::array<double, 6> bends = this->Bends(cell);
@@ -122,10 +110,24 @@ bool ClipWorker::IsTurnedOver(const Cell& cell) const
 bool ClipWorker::IsRegular(const Cell& cell) const
 {
   constexpr double Narrowest = 0.1;
+  constexpr double Degenerate = 0.05;
   if (this->Width(cell) <= Narrowest * this->M.Options.Tolerance)
   {
     return false;
   }
+  const Range jacobians = this->Jacobians(cell);
+  return jacobians.Low > Degenerate * jacobians.High;
+}
+
+bool ClipWorker::IsFolded(const Cell& cell) const
+{
+  constexpr double Rounding = 1e-9;
+  const Range jacobians = this->Jacobians(cell);
+  return jacobians.Low < -Rounding * jacobians.High;
+}
+
+Range ClipWorker::Jacobians(const Cell& cell) const
+{
   const auto corners = this->Simplices->Parameters(cell);
   Eigen::Matrix<double, 3, 5> u;
   for (int c = 0; c < 4; ++c)
@@ -139,8 +141,7 @@ bool ClipWorker::IsRegular(const Cell& cell) const
   Eigen::Matrix<double, 3, 15> derivatives;
   this->M.Body->Geometry()->Evaluator().EvaluateWithDerivatives(
     5, u.data(), x.data(), derivatives.data());
-  double least = INFINITY;
-  double greatest = -INFINITY;
+  Range range{ INFINITY, -INFINITY };
   for (int i = 0; i < 5; ++i)
   {
     // In homogeneous coordinates: det J itself goes to 0 towards a pole.
@@ -152,11 +153,9 @@ bool ClipWorker::IsRegular(const Cell& cell) const
     {
       continue;
     }
-    least = std::min(least, jacobian);
-    greatest = std::max(greatest, jacobian);
+    range = { std::min(range.Low, jacobian), std::max(range.High, jacobian) };
   }
-  constexpr double Degenerate = 0.05;
-  return least > Degenerate * greatest;
+  return range;
 }
 
 }

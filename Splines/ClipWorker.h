@@ -4,6 +4,7 @@
 
 #include "BendBounds.h"
 #include "Clip.h"
+#include "Range.h"
 #include "SimplexCutWorker.h"
 #include "SimplexRefinementWorker.h"
 
@@ -167,6 +168,10 @@ private:
   /// Whether smaller cells will have positive volume: the geometry is neither turned over nor about
   /// to degenerate at its corners and in the middle, and the cell is not far below the tolerance.
   [[nodiscard]] bool IsRegular(const Cell& cell) const;
+  /// Whether the geometry is turned over at one of its corners or in the middle.
+  [[nodiscard]] bool IsFolded(const Cell& cell) const;
+  /// Of det J there, by its sign in the patch and in homogeneous coordinates.
+  [[nodiscard]] Range Jacobians(const Cell& cell) const;
   template <typename PointOfCorner>
   [[nodiscard]] static double SixVolumes(const PointOfCorner& at)
   {
@@ -205,8 +210,6 @@ private:
   [[nodiscard]] unsigned char EdgesToHalve(const Cell& cell) const;
   [[nodiscard]] double Width(const Cell& cell) const;
   [[nodiscard]] unsigned char LongestEdge(const Cell& cell) const;
-  /// Whether it lies in an element with a collapsed side that it is not opposite to.
-  [[nodiscard]] bool IsNearPole(const Cell& cell) const;
   /// How far the middles of edges are from the geometry.
   [[nodiscard]] std::array<double, 6> Bends(const Cell& cell) const;
   /// What turned over a cell of three dimensions.
