@@ -427,6 +427,7 @@ bool ZeroSet::Worker::TraceAll()
   {
     return false;
   }
+  chunks.clear();
   Index curves = 0;
   for (const Traced& some : traced)
   {
