@@ -54,7 +54,8 @@ public:
   [[nodiscard]] int Multiplicity(double knot) const;
   /// Interior breaks where the basis is only C0 or less.
   [[nodiscard]] std::vector<double> Creases() const;
-  /// Greville abscissa of control point i: the mean of knots i+1 .. i+p.
+  /// Greville abscissa of control point i: the mean of knots i+1 .. i+p, or the end of the domain
+  /// where that lies beyond it (of vectors that are not clamped), to be a site of interpolation.
   [[nodiscard]] double Greville(int i) const;
 
   /// Index s with k_s <= u < k_{s+1}; the last non-empty span at and beyond the end of the domain,

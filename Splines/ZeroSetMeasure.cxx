@@ -152,7 +152,9 @@ void ZeroSet::Worker::Measure(Middles& middles, std::vector<Error>& errors) cons
       const double size = J.colwise().norm().prod();
       if (this->Axes.size() == 3 && std::abs(det) > 1e-3 * size)
       {
-        du = J.inverse() * tangential[static_cast<std::size_t>(i)];
+        const Eigen::Vector3d foot =
+          at.col(i) + J.inverse() * tangential[static_cast<std::size_t>(i)];
+        du = foot.cwiseMax(this->Low).cwiseMin(this->High) - at.col(i);
       }
       for (int c = 0; c < components; ++c)
       {
@@ -176,10 +178,13 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
   const double turn = this->Options.Handedness < 0 ? -1.0 : 1.0;
   // Barycentric coordinates of the samples. In the middle always: normals at the corners alone can
   // be those of a plane under a dome. On the edges too for attributes, of which nothing else is
-  // known. There, and further inside, where what the normals say is doubtful.
-  static constexpr std::array<std::array<double, 3>, 7> Places{ { { 1.0 / 3, 1.0 / 3, 1.0 / 3 },
+  // known. There, and further inside, where what the normals say is doubtful. At more places of the
+  // edges where attributes nearly miss their tolerances.
+  static constexpr std::array<std::array<double, 3>, 13> Places{ { { 1.0 / 3, 1.0 / 3, 1.0 / 3 },
     { 0.5, 0.5, 0.0 }, { 0.0, 0.5, 0.5 }, { 0.5, 0.0, 0.5 }, { 0.6, 0.2, 0.2 }, { 0.2, 0.6, 0.2 },
-    { 0.2, 0.2, 0.6 } } };
+    { 0.2, 0.2, 0.6 }, { 0.75, 0.25, 0.0 }, { 0.25, 0.75, 0.0 }, { 0.0, 0.75, 0.25 },
+    { 0.0, 0.25, 0.75 }, { 0.25, 0.0, 0.75 }, { 0.75, 0.0, 0.25 } } };
+  constexpr std::size_t Ordinary = 7;
   const std::size_t fewest = this->HasAttributes() ? 4 : 1;
   constexpr double Tilted = 0.93; // cosines of normals against the triangle's
   constexpr double MuchTilted = 0.7;
@@ -187,6 +192,7 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
   constexpr double Doubtful = 0.7; // shares of the tolerance
   constexpr double Close = 0.87;
   constexpr double Noticed = 0.3;
+  constexpr double LargeShare = 0.5;
   // Measured so much of an edge aside, a height is wrong by a hundredth of that of the triangle.
   constexpr double FarAside = 0.05;
 
@@ -202,6 +208,7 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
   std::vector<std::size_t>& all = scratch.Measuring.All;
   std::vector<std::size_t>& doubtful = scratch.Measuring.Doubtful;
   std::vector<std::size_t>& aside = scratch.Measuring.Aside;
+  std::vector<std::size_t>& coloured = scratch.Measuring.Coloured;
   std::vector<Error>& measured = scratch.Measuring.Measured;
   Middles& middles = scratch.Measuring.Centres;
   bool isMissed = false;
@@ -295,6 +302,7 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
     all.clear();
     doubtful.clear();
     aside.clear();
+    coloured.clear();
     for (std::size_t t = 0; t < known.size(); ++t)
     {
       if (!known[t].IsMeasured)
@@ -320,11 +328,15 @@ double ZeroSet::Worker::MeasureFacets(const std::vector<FacetTriangulation::Tria
         doubtful.push_back(all[i]);
       }
     }
-    measure(doubtful, fewest, Places.size(), 1);
+    measure(doubtful, fewest, Ordinary, 1);
     std::copy_if(doubtful.begin(), doubtful.end(), std::back_inserter(aside),
       [&known](std::size_t t)
       { return known[t].Worst.Aside > FarAside * std::sqrt(known[t].Longest); });
-    measure(aside, 0, Places.size(), 2);
+    measure(aside, 0, Ordinary, 2);
+    std::copy_if(all.begin(), all.end(), std::back_inserter(coloured),
+      [&known](std::size_t t)
+      { return known[t].Share <= Accepted && known[t].Worst.Attribute > LargeShare; });
+    measure(coloured, 0, Places.size(), 2);
   }
 
   double worst = 0.0;

@@ -191,7 +191,7 @@ private:
     struct
     {
       std::vector<Facet> Known;
-      std::vector<std::size_t> All, Doubtful, Aside;
+      std::vector<std::size_t> All, Doubtful, Aside, Coloured;
       std::vector<Error> Measured;
       Middles Centres;
     } Measuring;
